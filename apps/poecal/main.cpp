@@ -1,0 +1,82 @@
+// poecal: a table of commands. Each parses, loads, calls one library function, writes and returns.
+#include <cstdio>
+#include <exception>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/progress.hpp"
+
+namespace poecal::app {
+
+void printSummary(const Common& common, const std::string& text, const nlohmann::json& json) {
+  if (common.json) {
+    fmt::print("{}\n", json.dump(2));
+  } else if (!common.quiet) {
+    fmt::print("{}", text);
+  }
+}
+
+void warn(const std::string& message) { fmt::print(stderr, "poecal: warning: {}\n", message); }
+
+namespace {
+
+/// A command of the contract whose work is not written yet says so, whatever its options.
+std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
+  app.allow_extras();
+  return [&app]() -> int { throw InvalidArgument(app.get_name() + " is not built yet"); };
+}
+
+constexpr Command kCommands[] = {
+    {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
+    {"diagnose", "where the gap lies, which effect causes it, how far it shrinks (not built yet)", setUpNotBuilt},
+    {"report", "one self-contained page (not built yet)", setUpNotBuilt},
+};
+
+int runProgram(int argc, char** argv) {
+  CLI::App app{"Calibrates serial arms from pictures of a tag, and says what the model still leaves out.", "poecal"};
+  app.set_version_flag("--version", "poecal " POECAL_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();
+  Common common;
+  app.add_option("--jobs", common.jobs, "Pictures worked on at a time (0: one per core)")->check(CLI::NonNegativeNumber);
+  app.add_flag("--quiet", common.quiet, "No summary and no progress");
+  app.add_flag("--json", common.json, "The summary as JSON on stdout");
+  std::vector<std::pair<CLI::App*, std::function<int()>>> commands;
+  for (const Command& command : kCommands) {
+    CLI::App* sub = app.add_subcommand(command.name, command.summary);
+    commands.emplace_back(sub, command.setUp(*sub, common));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "poecal: error: {} (--help shows the options)\n", error.what());
+    return 2;
+  }
+  Progress::setQuiet(common.quiet);
+  for (const auto& [sub, run] : commands) {
+    if (sub->parsed()) return run();
+  }
+  return 2;
+}
+
+}  // namespace
+}  // namespace poecal::app
+
+int main(int argc, char** argv) {
+  try {
+    return poecal::app::runProgram(argc, argv);
+  } catch (const poecal::Error& error) {
+    fmt::print(stderr, "poecal: error: {}\n", error.what());
+    return error.exitStatus();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "poecal: error: internal: {}\n", error.what());
+    return 1;
+  }
+}

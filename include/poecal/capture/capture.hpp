@@ -1,0 +1,92 @@
+// The capture folder: manifest, samples and the files they name, read strictly and checked.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "poecal/camera/camera.hpp"
+#include "poecal/robot/arm.hpp"
+#include "poecal/target/target.hpp"
+
+namespace poecal {
+
+/// Where the camera sits: fixed with the target on the flange, or on the flange with the target fixed.
+enum class Setup { kEyeToHand, kEyeInHand };
+const char* setupName(Setup setup);  ///< "eye_to_hand", "eye_in_hand"
+
+/// One row of samples.csv or poses.csv. Vectors are empty and optionals unset where the file has no such column.
+struct Sample {
+  std::string image;  ///< as written in the file; empty for poses.csv
+  int line = 0;       ///< 1-based line in its file
+  Eigen::VectorXd q;  ///< joint readings [rad] or [m]
+  std::optional<Eigen::Isometry3d> T_base_flange;  ///< as the controller reports it
+  std::optional<long> pose;
+  std::optional<double> stamp, temperature, payload;
+  Eigen::VectorXd dir, dq;
+  std::vector<double> other;  ///< values of SampleTable::other_columns; NaN where a cell is not a number
+};
+
+struct SampleTable {
+  std::filesystem::path file;
+  std::vector<Sample> samples;  ///< in the order of the file
+  std::vector<std::string> other_columns;
+  bool has_joints = false;
+  bool has_flange_poses = false;
+};
+
+/// capture.yaml with everything it names but the pictures.
+struct Capture {
+  std::filesystem::path folder;
+  std::string name;
+  Setup setup = Setup::kEyeToHand;
+  std::optional<Arm> arm;
+  std::filesystem::path robot_file;      ///< robot.yaml or URDF; empty where none is named
+  std::string base_link, tip_link;       ///< URDF only
+  std::optional<Camera> camera;          ///< unset where intrinsics: names a folder instead
+  std::filesystem::path intrinsics_folder;
+  Target target;
+  std::optional<Target> reference;
+  std::filesystem::path detections_file;  ///< empty where none is named
+  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
+  SampleTable table;
+};
+
+/// Reads a capture folder and checks what can be checked without pictures.
+///
+/// Errors (FileError, with file and line): unknown or missing keys; a file that is not there; joint column missing or not a number, NaN;
+/// duplicate image rows; readings beyond the joint limits by more than 5 % of the range (all of a joint's readings over 2 pi and limits within 2 pi: degrees are
+/// suspected, and said); dir other than -1, 0, 1; quaternion of zero length; neither joints nor flange poses.
+/// @throws InsufficientData: no rows; all poses equal. A joint that never moved is not an error here.
+Capture readCapture(const std::filesystem::path& folder);
+
+/// Reads samples.csv. @param joint_count  0 where no arm is known (q columns are then counted). @param limits_of  arm for the plausibility checks, or nullptr.
+SampleTable readSamples(const std::filesystem::path& file, int joint_count, const Arm* limits_of);
+std::string samplesCsv(const SampleTable& table);
+
+/// One row of poses.csv: a measured pose, or a position alone.
+struct MeasuredPose {
+  Sample sample;  ///< its joints and optional columns
+  Eigen::Isometry3d T_instrument_tool = Eigen::Isometry3d::Identity();  ///< rotation is identity where `position_only`
+  bool position_only = false;
+  std::optional<double> sigma_position, sigma_rotation;  ///< [m], [rad]
+};
+
+struct PoseTable {
+  std::filesystem::path file;
+  std::vector<MeasuredPose> poses;
+  std::vector<std::string> other_columns;
+  bool position_only = false;
+};
+
+/// Reads poses.csv for an arm. Errors as readCapture.
+PoseTable readPoses(const std::filesystem::path& file, const Arm& arm);
+
+/// The groups of rows that share a pose (column `pose`; a row without one is its own), in order of first appearance: indices into `samples`.
+std::vector<std::vector<std::size_t>> poseGroups(const std::vector<Sample>& samples);
+
+}  // namespace poecal

@@ -1,0 +1,40 @@
+// detections.csv: the corners of every picture.
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "poecal/target/target.hpp"
+
+namespace poecal {
+
+/// One corner in a picture.
+struct Corner {
+  PointId id;
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();
+  double sigma = std::numeric_limits<double>::quiet_NaN();  ///< [px] per axis; NaN where not stated
+};
+
+/// The corners of one picture, sorted by id.
+struct ImageCorners {
+  std::string image;
+  std::vector<Corner> corners;
+};
+
+/// Pictures in the order of the capture (or of first appearance in the file); a picture without corners may be absent or empty.
+struct Detections {
+  std::vector<ImageCorners> images;
+  const ImageCorners* find(const std::string& image) const;
+};
+
+/// Reads detections.csv. @throws FileError with the line: not a number, a corner that the target does not have (say which tags it has),
+/// the same corner of a picture twice, a negative sigma.
+Detections readDetections(const std::filesystem::path& file, const Target& target);
+/// The sigma column is written only where some corner states one.
+std::string detectionsCsv(const Detections& detections);
+
+}  // namespace poecal

@@ -1,0 +1,41 @@
+// Errors that a person can act on: each carries the exit status of the program that meets it.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace poecal {
+
+/// Base of everything that poecal throws on purpose. what() is one sentence, without a trailing newline.
+class Error : public std::runtime_error {
+ public:
+  Error(const std::string& message, int exit_status) : std::runtime_error(message), exit_status_(exit_status) {}
+  /// Exit status of the program: 2 wrong call, 3 bad input, 4 the data cannot support what was asked.
+  int exitStatus() const { return exit_status_; }
+
+ private:
+  int exit_status_;
+};
+
+/// A caller's mistake: a value outside its domain, an option that does not exist. Exit status 2.
+class InvalidArgument : public Error {
+ public:
+  explicit InvalidArgument(const std::string& message) : Error(message, 2) {}
+};
+
+/// Bad input: what() is `FILE:LINE: what is wrong, what was expected` (`FILE: ...` where there is no line). Exit status 3.
+class FileError : public Error {
+ public:
+  /// @param line  1-based; 0 where the file as a whole is meant.
+  FileError(const std::filesystem::path& file, int line, const std::string& message)
+      : Error(file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + message, 3) {}
+};
+
+/// The data cannot support what was asked: too few poses, no motion about some axis. Exit status 4.
+class InsufficientData : public Error {
+ public:
+  explicit InsufficientData(const std::string& message) : Error(message, 4) {}
+};
+
+}  // namespace poecal

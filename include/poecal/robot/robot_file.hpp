@@ -1,0 +1,29 @@
+// robot.yaml and URDF: the arm in, the corrected arm out.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "poecal/robot/arm.hpp"
+
+namespace poecal {
+
+/// Reads robot.yaml (format poecal-robot/1).
+/// @throws FileError with the line: unknown or missing keys, axis not of unit length (1e-6), links not one per joint.
+Arm readRobotYaml(const std::filesystem::path& file);
+/// Text of robot.yaml; reads back as the same arm to the last bit of axis, point and flange.
+std::string robotYaml(const Arm& arm);
+
+/// Reads the chain base_link .. tip_link of a URDF: fixed joints are folded in, continuous joints are revolute ones without limits,
+/// inertials become links (a fixed body's mass goes to the joint that carries it; none given at all: no links).
+/// @throws FileError: unreadable URDF, a link that is not there (the message lists those that are), a mimic, floating or planar
+/// joint inside the chain, no moving joint.
+Arm readUrdf(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link);
+
+/// Text of the URDF with the chain's joint origins (and, where it cannot be avoided, axes) changed so that its forward kinematics is that
+/// of `arm`; everything else in the file (comments, meshes, transmissions) stays. Joints are matched by order along the chain.
+/// Where the tip link hangs directly on the last moving joint and its frame must leave the joint's axis, a link and a fixed joint are added between.
+/// @throws FileError as readUrdf, or if the chain has other joints than `arm`.
+std::string correctedUrdf(const std::filesystem::path& urdf, const std::string& base_link, const std::string& tip_link, const Arm& arm);
+
+}  // namespace poecal

@@ -1,0 +1,117 @@
+#include "core/yaml.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+
+namespace poecal {
+
+YamlNode::YamlNode(std::shared_ptr<const std::filesystem::path> file, YAML::Node node, std::string name)
+    : file_(std::move(file)), node_(std::move(node)), name_(std::move(name)) {}
+
+YamlNode YamlNode::load(const std::filesystem::path& file) {
+  const std::string content = readTextFile(file);
+  try {
+    YamlNode root(std::make_shared<const std::filesystem::path>(file), YAML::Load(content), "");
+    if (!root.isMap()) throw FileError(file, 1, "expected a YAML map of keys and values");
+    return root;
+  } catch (const YAML::Exception& error) {
+    throw FileError(file, error.mark.line + 1, "not valid YAML: " + error.msg);
+  }
+}
+
+int YamlNode::line() const { return node_.Mark().line + 1; }
+
+void YamlNode::fail(const std::string& message) const {
+  throw FileError(*file_, line(), name_.empty() ? message : name_ + ": " + message);
+}
+
+void YamlNode::checkKeys(std::initializer_list<const char*> known) const {
+  if (!isMap()) fail("expected a map");
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.as<std::string>("");
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      throw FileError(*file_, entry.first.Mark().line + 1,
+                      fmt::format("unknown key '{}'{}, expected one of: {}", key, name_.empty() ? "" : " in " + name_, fmt::join(known, ", ")));
+    }
+  }
+}
+
+bool YamlNode::has(const char* key) const { return isMap() && node_[key].IsDefined() && !node_[key].IsNull(); }
+
+YamlNode YamlNode::operator[](const char* key) const {
+  if (auto found = find(key)) return *found;
+  fail(fmt::format("key '{}' is missing", key));
+}
+
+std::optional<YamlNode> YamlNode::find(const char* key) const {
+  if (!isMap()) fail("expected a map");
+  if (!has(key)) return std::nullopt;
+  return YamlNode(file_, node_[key], name_.empty() ? std::string(key) : name_ + "." + key);
+}
+
+std::vector<YamlNode> YamlNode::items() const {
+  if (!isSequence()) fail("expected a list");
+  std::vector<YamlNode> nodes;
+  for (std::size_t k = 0; k < node_.size(); ++k) nodes.push_back(YamlNode(file_, node_[k], fmt::format("{}[{}]", name_, k)));
+  return nodes;
+}
+
+double YamlNode::number() const {
+  double value = 0.0;
+  if (!node_.IsScalar() || !YAML::convert<double>::decode(node_, value)) fail("expected a number");
+  if (!std::isfinite(value)) fail("expected a finite number");
+  return value;
+}
+
+double YamlNode::positive() const {
+  const double value = number();
+  if (!(value > 0.0)) fail(fmt::format("is {}, expected a positive number", formatNumber(value)));
+  return value;
+}
+
+int YamlNode::integer() const {
+  int value = 0;
+  if (!node_.IsScalar() || !YAML::convert<int>::decode(node_, value)) fail("expected an integer");
+  return value;
+}
+
+std::string YamlNode::text() const {
+  if (!node_.IsScalar()) fail("expected a text");
+  return node_.Scalar();
+}
+
+Eigen::VectorXd YamlNode::vector(int count) const {
+  const std::vector<YamlNode> entries = items();
+  if (count >= 0 && static_cast<int>(entries.size()) != count) {
+    fail(fmt::format("{} numbers, expected {}", entries.size(), count));
+  }
+  Eigen::VectorXd values(static_cast<Eigen::Index>(entries.size()));
+  for (std::size_t k = 0; k < entries.size(); ++k) values(static_cast<Eigen::Index>(k)) = entries[k].number();
+  return values;
+}
+
+void YamlNode::checkFormat(const char* expected) const {
+  const YamlNode format = (*this)["format"];
+  if (format.text() != expected) format.fail(fmt::format("is '{}', expected {}", format.text(), expected));
+}
+
+std::string yamlVector(const Eigen::VectorXd& values) {
+  std::string text = "[";
+  for (Eigen::Index k = 0; k < values.size(); ++k) text += (k > 0 ? ", " : "") + formatNumber(values(k));
+  return text + "]";
+}
+
+std::string yamlText(const std::string& text) {
+  YAML::Emitter emitter;
+  emitter << text;
+  return emitter.c_str();
+}
+
+}  // namespace poecal
