@@ -33,16 +33,16 @@ struct ViewResidual {
   int points = 0;
   double rms_px = 0.0;  ///< sqrt(sum |r|^2 / N), N points, with the camera fitted to all pictures
   double max_px = 0.0;
-  bool bad = false;     ///< left out of `camera`
+  bool bad = false;  ///< left out of `camera`
   Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
 };
 
 struct IntrinsicsResult {
-  Camera camera;        ///< with standard deviations, fitted without the bad pictures
-  Camera camera_all;    ///< fitted with all pictures
-  double rms_px = 0.0;      ///< of `camera` on the pictures it was fitted to
-  double rms_all_px = 0.0;  ///< of `camera_all` on all pictures
-  double sigma_px = 0.0;    ///< estimated standard deviation of one coordinate: sqrt(sum r^2 / (2N - parameters))
+  Camera camera;               ///< with standard deviations, fitted without the bad pictures
+  Camera camera_all;           ///< fitted with all pictures
+  double rms_px = 0.0;         ///< of `camera` on the pictures it was fitted to
+  double rms_all_px = 0.0;     ///< of `camera_all` on all pictures
+  double sigma_px = 0.0;       ///< estimated standard deviation of one coordinate: sqrt(sum r^2 / (2N - parameters))
   Eigen::MatrixXd covariance;  ///< of camera.parameters()
   std::vector<ViewResidual> views;
   std::vector<std::string> warnings;  ///< e.g. coefficients that the pictures do not determine

@@ -1,0 +1,150 @@
+#include "poecal/camera/camera.hpp"
+
+#include <cassert>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "camera/distortion.hpp"
+#include "poecal/core/error.hpp"
+
+namespace poecal {
+namespace {
+
+std::optional<Eigen::Vector2d> distort(const Camera& camera, const Eigen::Vector3d& p_camera, DistortionJacobians* jacobians) {
+  assert(camera.distortion.size() <= distortionCount(camera.model));
+  return camera.model == DistortionModel::kEquidistant ? distortEquidistant(camera.distortion, p_camera, jacobians)
+                                                       : distortPinhole(camera.distortion, p_camera, jacobians);
+}
+
+std::optional<Eigen::Vector3d> rayOfRadius(const Camera& camera, const Eigen::Vector2d& unit, double radius) {
+  return camera.model == DistortionModel::kEquidistant ? rayOfRadiusEquidistant(camera.distortion, unit, radius)
+                                                       : rayOfRadiusPinhole(camera.distortion, unit, radius);
+}
+
+/// Two unit vectors across a unit ray.
+Eigen::Matrix<double, 3, 2> tangentBasis(const Eigen::Vector3d& ray) {
+  Eigen::Matrix<double, 3, 2> E;
+  E.col(0) = ray.unitOrthogonal();
+  E.col(1) = ray.cross(E.col(0));
+  return E;
+}
+
+/// One Newton step on the sphere of rays, halved until it lessens the distance to `px`. @return whether it did.
+bool stepTowards(const Camera& camera, const Eigen::Vector2d& px, Eigen::Vector3d& ray, Projection& at) {
+  constexpr int kMaxHalvings = 20;
+  const Eigen::Vector2d error = px - at.px;
+  const Eigen::Matrix<double, 3, 2> E = tangentBasis(ray);
+  Eigen::Vector3d step = E * (Eigen::Matrix2d(at.J_px_p * E).inverse() * error);
+  if (!step.allFinite()) return false;
+  for (int halving = 0; halving < kMaxHalvings; ++halving, step *= 0.5) {
+    const Eigen::Vector3d trial = (ray + step).normalized();
+    const std::optional<Projection> at_trial = projectWithJacobians(camera, trial);
+    if (at_trial && (px - at_trial->px).norm() < error.norm()) {
+      ray = trial;
+      at = *at_trial;
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+Eigen::VectorXd Camera::parameters() const {
+  Eigen::VectorXd values(parameterCount());
+  values << fx, fy, cx, cy, distortion;
+  return values;
+}
+
+void Camera::setParameters(const Eigen::VectorXd& parameters) {
+  if (parameters.size() != parameterCount()) {
+    throw InvalidArgument(fmt::format("{} camera parameters, expected {}", parameters.size(), parameterCount()));
+  }
+  fx = parameters(0);
+  fy = parameters(1);
+  cx = parameters(2);
+  cy = parameters(3);
+  distortion = parameters.tail(distortion.size());
+}
+
+std::vector<std::string> Camera::parameterNames() const {
+  std::vector<std::string> names = model == DistortionModel::kEquidistant
+                                       ? std::vector<std::string>{"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4"}
+                                       : std::vector<std::string>{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+  names.resize(static_cast<std::size_t>(parameterCount()));
+  return names;
+}
+
+std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& p_camera) {
+  const std::optional<Eigen::Vector2d> m = distort(camera, p_camera, nullptr);
+  if (!m) return std::nullopt;
+  return Eigen::Vector2d(camera.fx * m->x() + camera.cx, camera.fy * m->y() + camera.cy);
+}
+
+std::optional<Projection> projectWithJacobians(const Camera& camera, const Eigen::Vector3d& p_camera) {
+  DistortionJacobians jacobians;
+  const std::optional<Eigen::Vector2d> m = distort(camera, p_camera, &jacobians);
+  if (!m) return std::nullopt;
+  const Eigen::Array2d f(camera.fx, camera.fy);
+  Projection projection;
+  projection.px << camera.fx * m->x() + camera.cx, camera.fy * m->y() + camera.cy;
+  projection.J_px_p = jacobians.J_m_p.array().colwise() * f;
+  projection.J_px_parameters.resize(2, camera.parameterCount());
+  projection.J_px_parameters.leftCols<4>() << m->x(), 0.0, 1.0, 0.0,  //
+      0.0, m->y(), 0.0, 1.0;
+  const Eigen::Index count = camera.distortion.size();
+  projection.J_px_parameters.rightCols(count) = jacobians.J_m_k.leftCols(count).array().colwise() * f;
+  return projection;
+}
+
+std::optional<Eigen::Vector3d> unproject(const Camera& camera, const Eigen::Vector2d& px) {
+  constexpr double kGoal_px = 1e-11;    // Newton's method gets here wherever rounding allows
+  constexpr double kPromise_px = 1e-9;  // what the header says
+  constexpr int kMaxIterations = 30;
+  const Eigen::Vector2d m((px.x() - camera.cx) / camera.fx, (px.y() - camera.cy) / camera.fy);
+  const double radius = m.norm();
+  if (!std::isfinite(radius)) return std::nullopt;
+  if (radius == 0.0) return Eigen::Vector3d(0.0, 0.0, 1.0);
+  // The radial inverse is all of the equidistant model and nearly all of the others; Newton's method adds the tangential part and the
+  // last digits.
+  std::optional<Eigen::Vector3d> ray = rayOfRadius(camera, m / radius, radius);
+  if (!ray) return std::nullopt;
+  std::optional<Projection> at = projectWithJacobians(camera, *ray);
+  if (!at) return std::nullopt;
+  for (int iteration = 0; iteration < kMaxIterations && (px - at->px).norm() > kGoal_px; ++iteration) {
+    if (!stepTowards(camera, px, *ray, *at)) break;
+  }
+  if (!((px - at->px).norm() < kPromise_px)) return std::nullopt;
+  return ray;
+}
+
+const char* distortionModelName(DistortionModel model) {
+  switch (model) {
+    case DistortionModel::kPlumbBob:
+      return "plumb_bob";
+    case DistortionModel::kRationalPolynomial:
+      return "rational_polynomial";
+    case DistortionModel::kEquidistant:
+      return "equidistant";
+  }
+  assert(false && "a distortion model without a name");
+  return "";
+}
+
+int distortionCount(DistortionModel model) {
+  switch (model) {
+    case DistortionModel::kPlumbBob:
+      return 5;
+    case DistortionModel::kRationalPolynomial:
+      return 8;
+    case DistortionModel::kEquidistant:
+      return 4;
+  }
+  assert(false && "a distortion model without coefficients");
+  return 0;
+}
+
+}  // namespace poecal
