@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "capture/manifest.hpp"
 #include "core/yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "poecal/core/error.hpp"
@@ -14,14 +15,6 @@
 
 namespace poecal {
 namespace {
-
-/// A file named in the scene, relative to the scene's folder.
-std::filesystem::path fileOf(const YamlNode& node) {
-  const std::filesystem::path file = node.file().parent_path() / node.text();
-  if (!std::filesystem::is_regular_file(file))
-    node.fail(fmt::format("'{}' is not there, expected a file beside {}", node.text(), node.file().filename().string()));
-  return file;
-}
 
 double notNegative(const YamlNode& node) {
   const double value = node.number();
@@ -36,21 +29,6 @@ int atLeast(const YamlNode& node, int smallest) {
 }
 
 std::uint64_t seedOf(const YamlNode& node) { return static_cast<std::uint64_t>(atLeast(node, 0)); }
-
-void readRobot(const YamlNode& root, Scene& scene) {
-  const YamlNode robot = root["robot"];
-  scene.robot_file = fileOf(robot);
-  if (scene.robot_file.extension() == ".urdf") {
-    scene.base_link = root["base_link"].text();
-    scene.tip_link = root["tip_link"].text();
-    scene.nominal = readUrdf(scene.robot_file, scene.base_link, scene.tip_link);
-    return;
-  }
-  for (const char* key : {"base_link", "tip_link"}) {
-    if (const auto node = root.find(key)) node->fail("is for a URDF, expected a robot that ends in .urdf");
-  }
-  scene.nominal = readRobotYaml(scene.robot_file);
-}
 
 /// The nominal arm with every axis a little off: normal tilts and shifts in the directions that move it.
 Arm drawErrors(const YamlNode& errors, const Arm& nominal) {
@@ -68,7 +46,7 @@ Arm drawErrors(const YamlNode& errors, const Arm& nominal) {
 }
 
 Arm readActual(const YamlNode& node, const Arm& nominal) {
-  const Arm actual = readRobotYaml(fileOf(node));
+  const Arm actual = readRobotYaml(namedFile(node));
   if (actual.jointCount() != nominal.jointCount()) {
     node.fail(fmt::format("has {} joints, expected {} as the robot", actual.jointCount(), nominal.jointCount()));
   }
@@ -80,7 +58,12 @@ Arm readActual(const YamlNode& node, const Arm& nominal) {
 }
 
 void readArms(const YamlNode& root, Scene& scene) {
-  readRobot(root, scene);
+  const auto robot = readNamedRobot(root);
+  if (!robot) root.fail("key 'robot' is missing, expected the nominal arm");
+  scene.nominal = robot->arm;
+  scene.robot_file = robot->file;
+  scene.base_link = robot->base_link;
+  scene.tip_link = robot->tip_link;
   scene.actual = scene.nominal;
   const auto errors = root.find("errors");
   const auto actual = root.find("actual");
@@ -91,13 +74,7 @@ void readArms(const YamlNode& root, Scene& scene) {
 
 Registration readRegistration(const YamlNode& root) {
   Registration registration;
-  if (const auto setup = root.find("setup")) {
-    if (setup->text() == setupName(Setup::kEyeInHand)) {
-      registration.setup = Setup::kEyeInHand;
-    } else if (setup->text() != setupName(Setup::kEyeToHand)) {
-      setup->fail(fmt::format("is '{}', expected eye_to_hand or eye_in_hand", setup->text()));
-    }
-  }
+  if (const auto setup = root.find("setup")) registration.setup = readSetup(*setup);
   const std::string near_key = fmt::format("T_camera_{}", registration.nearFrame());
   const std::string far_key = fmt::format("T_{}_target", registration.farFrame());
   const YamlNode node = root["registration"];
@@ -112,7 +89,7 @@ void readSamplesPart(const YamlNode& root, Scene& scene) {
   if (!samples) return;
   if (const auto file = samples->find("file")) {
     samples->checkKeys({"file", "seed"});
-    scene.samples_file = fileOf(*file);
+    scene.samples_file = namedFile(*file);
   } else {
     samples->checkKeys({"count", "seed", "repeats"});
     if (const auto count = samples->find("count")) scene.count = atLeast(*count, 1);
@@ -152,7 +129,7 @@ void readOutput(const YamlNode& root, Scene& scene) {
     if (corners) intrinsics->fail("needs pictures, expected no corners: beside it");
     intrinsics->checkKeys({"target", "count"});
     const YamlNode target = (*intrinsics)["target"];
-    scene.board = readTarget(fileOf(target));
+    scene.board = readTarget(namedFile(target));
     if (scene.board->type == TargetType::kPoints) target.fail("single points cannot be drawn, expected tags or a board");
     scene.board_count = atLeast((*intrinsics)["count"], 1);
   }
@@ -188,12 +165,12 @@ Scene readScene(const std::filesystem::path& file) {
   scene.name = file.stem().string();
   if (const auto name = root.find("name")) scene.name = name->text();
   readArms(root, scene);
-  scene.camera = readCamera(fileOf(root["camera"]));
+  scene.camera = readCamera(namedFile(root["camera"]));
   scene.stated_camera = scene.camera;
-  if (const auto stated = root.find("stated")) scene.stated_camera = readCamera(fileOf(*stated));
-  scene.target = readTarget(fileOf(root["target"]));
+  if (const auto stated = root.find("stated")) scene.stated_camera = readCamera(namedFile(*stated));
+  scene.target = readTarget(namedFile(root["target"]));
   scene.stated_target = scene.target;
-  if (const auto stated = root.find("stated_target")) scene.stated_target = readTarget(fileOf(*stated));
+  if (const auto stated = root.find("stated_target")) scene.stated_target = readTarget(namedFile(*stated));
   scene.registration = readRegistration(root);
   readSamplesPart(root, scene);
   readOutput(root, scene);
