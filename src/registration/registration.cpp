@@ -12,6 +12,7 @@
 #include "poecal/registration/hand_eye.hpp"
 #include "poecal/registration/target_pose.hpp"
 #include "registration/hypotheses.hpp"
+#include "registration/plausibility.hpp"
 
 namespace poecal {
 namespace {
@@ -43,6 +44,40 @@ AdjustmentOptions registrationAdjustment(bool robust) {
   options.free.far = true;
   options.robust = robust;
   return options;
+}
+
+std::vector<HypothesisSample> cornerHypotheses(const Cell& cell, const std::vector<Observation>& observations) {
+  std::vector<HypothesisSample> samples;
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    HypothesisSample sample;
+    sample.observation = k;
+    sample.T_near_far = nearFar(cell, observations[k]);
+    for (const TargetPose& pose : targetPoses(*cell.camera, observations[k])) sample.candidates.push_back(pose.T_camera_target);
+    samples.push_back(std::move(sample));
+  }
+  return samples;
+}
+
+/// Misfit that 60 % of the samples stay below, after a closed form; infinity where there is none.
+double agreeingMisfit(const Cell& cell, const std::vector<Observation>& observations) {
+  const std::vector<HypothesisSample> samples = cornerHypotheses(cell, observations);
+  const Misfit misfit = [&](const Registration& registration, const HypothesisSample& sample) {
+    return misfitOf(cell, registration, observations[sample.observation]);
+  };
+  const std::vector<Hypothesis> found = searchRegistrations(cell.registration.setup, samples, misfit, 100);
+  return found.empty() ? std::numeric_limits<double>::infinity() : found.front().score;
+}
+
+/// A nominal arm is off by a per cent or two of the picture; a registration that leaves more than a twelfth of it is none.
+void requirePlausible(const Cell& cell, const std::vector<Observation>& observations, const Adjustment& fit) {
+  std::vector<double> misfits;
+  for (const Observation& observation : observations) misfits.push_back(cornerRms(fit.cell, observation));
+  const double misfit = quantile(misfits, 0.6);
+  if (misfit < cell.camera->width / 12.0) return;
+  const std::optional<std::string> suspicion = suspectedMistake(cell, observations, misfit, agreeingMisfit);
+  throw ImplausibleInput(fmt::format("no registration explains most of the pictures (the best leaves {:.0f} px): {}", misfit,
+                                     suspicion ? "suspected are " + *suspicion
+                                               : std::string("expected joint readings, robot and pictures that belong together (units, signs, order of the rows)")));
 }
 
 /// The best of the refined hypotheses.
@@ -77,18 +112,6 @@ void requireTurning(const Cell& cell, const std::vector<Observation>& observatio
   if (rotationDirections(poses) == 0) {
     throw InsufficientData("the arm never turned the flange by more than half a degree: registration needs poses of different orientation");
   }
-}
-
-std::vector<HypothesisSample> cornerHypotheses(const Cell& cell, const std::vector<Observation>& observations) {
-  std::vector<HypothesisSample> samples;
-  for (std::size_t k = 0; k < observations.size(); ++k) {
-    HypothesisSample sample;
-    sample.observation = k;
-    sample.T_near_far = nearFar(cell, observations[k]);
-    for (const TargetPose& pose : targetPoses(*cell.camera, observations[k])) sample.candidates.push_back(pose.T_camera_target);
-    samples.push_back(std::move(sample));
-  }
-  return samples;
 }
 
 /// Sum of squares of one picture's corners in a cell, at the stated sigmas.
@@ -186,10 +209,15 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
     throw InsufficientData(fmt::format("the target's pose is seen in {} picture{}, at least 3 are needed", usable, usable == 1 ? "" : "s"));
   }
   requireTurning(cell, observations);
+  if (mirroredShare(observations) > 0.5) {
+    throw ImplausibleInput("the corners of most tags run clockwise in the picture, as of a flipped (mirrored) tag: expected the order bottom-left, bottom-right, "
+                           "top-right, top-left of the upright tag seen from its front");
+  }
 
   RegistrationResult result;
   result.adjustment = adjustBest(cell, observations, hypotheses, options.hypotheses, options.robust, &result.closed_form);
   result.cell = result.adjustment.cell;
+  requirePlausible(cell, observations, result.adjustment);
   std::vector<bool> out(observations.size(), false);
   for (std::size_t k = 0; k < observations.size(); ++k) out[k] = keptShare(result.adjustment.weights[k]) < 0.5;
   if (options.leave_out_bad && !cell.arm) leaveOutBad(observations, result, out);
