@@ -83,12 +83,14 @@ std::size_t CsvTable::column(const std::string& name) const {
   throw FileError(file_, 1, fmt::format("column '{}' is missing (there are: {})", name, fmt::join(header_, ", ")));
 }
 
-double CsvTable::number(std::size_t row, std::size_t column) const {
+std::optional<double> CsvTable::findNumber(std::size_t row, std::size_t column) const {
   const std::optional<double> value = parse<double>(text(row, column));
-  if (!value || !std::isfinite(*value)) {
-    throw FileError(file_, line(row), fmt::format("{} is '{}', expected a finite number", header_[column], text(row, column)));
-  }
-  return *value;
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+double CsvTable::number(std::size_t row, std::size_t column) const {
+  if (const auto value = findNumber(row, column)) return *value;
+  throw FileError(file_, line(row), fmt::format("{} is '{}', expected a finite number", header_[column], text(row, column)));
 }
 
 long CsvTable::integer(std::size_t row, std::size_t column) const {

@@ -109,7 +109,15 @@ std::string yamlVector(const Eigen::VectorXd& values) {
 }
 
 std::string yamlText(const std::string& text) {
+  // The emitter alone leaves plain what reads back as a number or a truth value, and commas and brackets that split a flow map.
+  double number = 0.0;
+  bool truth = false;
+  const YAML::Node scalar(text);
   YAML::Emitter emitter;
+  if (text.find_first_of(",[]{}") != std::string::npos || YAML::convert<double>::decode(scalar, number) ||
+      YAML::convert<bool>::decode(scalar, truth)) {
+    emitter << YAML::DoubleQuoted;
+  }
   emitter << text;
   return emitter.c_str();
 }

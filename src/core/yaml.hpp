@@ -56,7 +56,7 @@ class YamlNode {
 
 /// "[0.1, 0.2]" with numbers that read back as the same bits.
 std::string yamlVector(const Eigen::VectorXd& values);
-/// A scalar as YAML needs it: quoted where it would read as something else than a string.
+/// A scalar as YAML needs it, also inside {...} and [...]: quoted where it would read as something else than this string.
 std::string yamlText(const std::string& text);
 
 }  // namespace poecal

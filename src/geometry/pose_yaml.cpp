@@ -8,14 +8,17 @@
 
 namespace poecal {
 
+Eigen::Vector4d readUnitQuaternion(const YamlNode& node) {
+  const Eigen::Vector4d quaternion = node.vector(4);
+  if (std::abs(quaternion.norm() - 1.0) > 1e-3) {
+    node.fail(fmt::format("length {:.6f}, expected a unit quaternion", quaternion.norm()));
+  }
+  return quaternion;
+}
+
 Eigen::Isometry3d readPose(const YamlNode& node) {
   node.checkKeys({"position", "quaternion_xyzw"});
-  const YamlNode quaternion_node = node["quaternion_xyzw"];
-  const Eigen::Vector4d quaternion = quaternion_node.vector(4);
-  if (std::abs(quaternion.norm() - 1.0) > 1e-3) {
-    quaternion_node.fail(fmt::format("length {:.6f}, expected a unit quaternion", quaternion.norm()));
-  }
-  return poseFromQuaternion(node["position"].vector3(), quaternion);
+  return poseFromQuaternion(node["position"].vector3(), readUnitQuaternion(node["quaternion_xyzw"]));
 }
 
 std::string yamlPose(const Eigen::Isometry3d& T) {

@@ -30,7 +30,11 @@ TEST(Yaml, ErrorsNameLineKeyAndExpectation) {
 
 TEST(Yaml, TextIsQuotedWhereItMustBe) {
   EXPECT_EQ(yamlText("plain_name"), "plain_name");
-  EXPECT_EQ(YAML::Load("a: " + yamlText("x: y #z"))["a"].as<std::string>(), "x: y #z");
+  EXPECT_EQ(yamlText("true"), "\"true\"");
+  EXPECT_EQ(yamlText("12"), "\"12\"");
+  for (const std::string text : {"x: y #z", "a, b", "a]", "}", "'", "\"", "~", ""}) {
+    EXPECT_EQ(YAML::Load("{a: " + yamlText(text) + ", b: 1}")["a"].as<std::string>(), text);
+  }
 }
 
 }  // namespace

@@ -58,14 +58,18 @@ struct Capture {
 
 /// Reads a capture folder and checks what can be checked without pictures.
 ///
-/// Errors (FileError, with file and line): unknown or missing keys; a file that is not there; joint column missing or not a number, NaN;
-/// duplicate image rows; readings beyond the joint limits by more than 5 % of the range (all of a joint's readings over 2 pi and limits within 2 pi: degrees are
-/// suspected, and said); dir other than -1, 0, 1; quaternion of zero length; neither joints nor flange poses.
-/// @throws InsufficientData: no rows; all poses equal. A joint that never moved is not an error here.
+/// @throws FileError (with file and line): unknown or missing keys; a file that is not there; a joint column missing, a cell that is not a
+/// number; an image in two rows; readings beyond the joint limits by more than 5 % of the range (where degrees or millimetres would
+/// explain them, that is said); dir other than -1, 0, 1; a quaternion whose length is not 1 to 1e-3; neither joints nor flange poses;
+/// joints without a robot; a reference that shares names of points with the target.
+/// @throws InsufficientData: no rows; two or more rows that all have one pose. A joint that never moved is not an error here.
 Capture readCapture(const std::filesystem::path& folder);
 
-/// Reads samples.csv. @param joint_count  0 where no arm is known (q columns are then counted). @param limits_of  arm for the plausibility checks, or nullptr.
+/// Reads samples.csv. Errors as readCapture.
+/// @param joint_count  0 where no arm is known (q columns are then counted).
+/// @param limits_of    arm for the plausibility checks of the readings, or nullptr.
 SampleTable readSamples(const std::filesystem::path& file, int joint_count, const Arm* limits_of);
+/// Text of samples.csv; columns that no sample has are left out, cells that a sample has not are empty.
 std::string samplesCsv(const SampleTable& table);
 
 /// One row of poses.csv: a measured pose, or a position alone.

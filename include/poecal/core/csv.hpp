@@ -26,6 +26,8 @@ class CsvTable {
   const std::string& text(std::size_t row, std::size_t column) const { return rows_.at(row).at(column); }
   /// @throws FileError with the row's line if the cell is not a finite number.
   double number(std::size_t row, std::size_t column) const;
+  /// The cell, or nothing where it is not a finite number.
+  std::optional<double> findNumber(std::size_t row, std::size_t column) const;
   /// @throws FileError with the row's line if the cell is not an integer.
   long integer(std::size_t row, std::size_t column) const;
 

@@ -32,6 +32,8 @@ struct Joint {
 
   /// Unit direction of the axis in base: w or v.
   Eigen::Vector3d axis() const;
+  /// Joints from a direction of any length (normalised; one that is of unit length already keeps its bits) and a point [m], in base
+  /// at q = 0. @throws InvalidArgument if the direction is zero or not finite.
   static Joint revolute(std::string name, const Eigen::Vector3d& axis, const Eigen::Vector3d& point);
   static Joint prismatic(std::string name, const Eigen::Vector3d& axis, const Eigen::Vector3d& point = Eigen::Vector3d::Zero());
 };
@@ -67,6 +69,7 @@ ArmChain forwardChain(const Arm& arm, const Eigen::VectorXd& q);
 Eigen::Isometry3d forwardKinematics(const Arm& arm, const Eigen::VectorXd& q);
 
 /// Space Jacobian, 6 x n: column k = Ad(P[k-1]) xi_k = left derivative (in base) of T_base_flange by q_k.
+/// @throws InvalidArgument if the chain is of an arm with another number of joints.
 /// @see Lynch and Park, Modern Robotics (2017), 5.1.1.
 Matrix6Xd spaceJacobian(const Arm& arm, const ArmChain& chain);
 
@@ -84,13 +87,14 @@ int twistParameterCount(const Arm& arm);
 std::vector<std::string> twistParameterNames(const Arm& arm);
 
 /// The arm whose twists are xi_i = Ad(exp(B_i beta_i)) xi_i of `nominal`, B_i = twistBasis (Gao 2013, eqs. 8 and 12): joint
-/// constraints hold by construction. Anchors move along; gamma stays.
-/// @param beta  twistParameterCount(nominal) values.
+/// constraints hold by construction. Anchors move along; gamma, limits and links stay.
+/// @param beta  twistParameterCount(nominal) values. @throws InvalidArgument if there are more or fewer.
 Arm displaceTwists(const Arm& nominal, const Eigen::VectorXd& beta);
 
 /// Left derivative of T_base_flange (in base) by beta at displaceTwists(nominal, beta), 6 x twistParameterCount:
 ///   J_i = Ad(P[i-1]) (I - Ad(exp(xi_i q_i))) K(B_i beta_i) B_i      (Gao 2013, eq. 21)
 /// @param arm, chain  displaceTwists(nominal, beta) and its chain at q.
+/// @throws InvalidArgument if beta, q or the chain is of another size than the arm asks for.
 Matrix6Xd twistJacobian(const Arm& nominal, const Eigen::VectorXd& beta, const Arm& arm, const ArmChain& chain, const Eigen::VectorXd& q);
 
 }  // namespace poecal

@@ -9,9 +9,10 @@
 namespace poecal {
 
 /// Reads robot.yaml (format poecal-robot/1).
-/// @throws FileError with the line: unknown or missing keys, axis not of unit length (1e-6), links not one per joint.
+/// @throws FileError with the line: unknown or missing keys, axis not of unit length (1e-6; within it is normalised), a revolute joint
+/// without point, limits that are not lower < upper, no joints, links not one per joint.
 Arm readRobotYaml(const std::filesystem::path& file);
-/// Text of robot.yaml; reads back as the same arm to the last bit of axis, point and flange.
+/// Text of robot.yaml; reads back with the same bits in every figure but gamma, which passes through the flange's pose (1e-15).
 std::string robotYaml(const Arm& arm);
 
 /// Reads the chain base_link .. tip_link of a URDF: fixed joints are folded in, continuous joints are revolute ones without limits,

@@ -1,0 +1,141 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "capture/sample_columns.hpp"
+#include "poecal/capture/capture.hpp"
+#include "poecal/core/csv.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/geometry/se3.hpp"
+
+namespace poecal {
+namespace {
+
+constexpr const char* kPoseColumns[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+
+/// The columns of the flange pose; all seven or none.
+std::optional<std::array<std::size_t, 7>> flangePoseColumns(const CsvTable& table) {
+  if (std::none_of(std::begin(kPoseColumns), std::end(kPoseColumns),
+                   [&](const char* name) { return table.findColumn(name).has_value(); })) {
+    return std::nullopt;
+  }
+  std::array<std::size_t, 7> columns{};
+  for (std::size_t k = 0; k < columns.size(); ++k) columns[k] = table.column(kPoseColumns[k]);
+  return columns;
+}
+
+/// A column that is written where some sample has a value for it; its cell is empty for the samples that have none.
+struct OutputColumn {
+  std::string name;
+  std::function<std::optional<double>(const Sample&)> value;
+  bool integer = false;
+};
+
+std::vector<OutputColumn> outputColumns(const SampleTable& table) {
+  std::vector<OutputColumn> columns;
+  const auto addVector = [&](const char* prefix, Eigen::VectorXd Sample::*member, bool integer) {
+    const Eigen::Index count = table.samples.empty() ? 0 : (table.samples.front().*member).size();
+    for (Eigen::Index k = 0; k < count; ++k) {
+      columns.push_back(
+          {prefix + std::to_string(k + 1), [member, k](const Sample& sample) { return std::optional((sample.*member)(k)); }, integer});
+    }
+  };
+  addVector("q", &Sample::q, false);
+  columns.push_back({"pose", [](const Sample& sample) { return std::optional<double>(sample.pose); }, true});
+  columns.push_back({"stamp", [](const Sample& sample) { return sample.stamp; }});
+  addVector("dir", &Sample::dir, true);
+  addVector("dq", &Sample::dq, false);
+  columns.push_back({"temperature", [](const Sample& sample) { return sample.temperature; }});
+  columns.push_back({"payload", [](const Sample& sample) { return sample.payload; }});
+  for (Eigen::Index k = 0; k < 7; ++k) {
+    columns.push_back({kPoseColumns[k], [k](const Sample& sample) -> std::optional<double> {
+                         if (!sample.T_base_flange) return std::nullopt;
+                         return k < 3 ? sample.T_base_flange->translation()(k) : quaternionXyzw(*sample.T_base_flange)(k - 3);
+                       }});
+  }
+  for (std::size_t k = 0; k < table.other_columns.size(); ++k) {
+    columns.push_back({table.other_columns[k], [k](const Sample& sample) -> std::optional<double> {
+                         if (k >= sample.other.size() || std::isnan(sample.other[k])) return std::nullopt;
+                         return sample.other[k];
+                       }});
+  }
+  std::erase_if(columns, [&](const OutputColumn& column) {
+    return std::none_of(table.samples.begin(), table.samples.end(), [&](const Sample& sample) { return column.value(sample).has_value(); });
+  });
+  return columns;
+}
+
+}  // namespace
+
+SampleTable readSamples(const std::filesystem::path& file, int joint_count, const Arm* limits_of) {
+  const CsvTable csv = CsvTable::read(file);
+  const std::size_t image = csv.column("image");
+  const SampleColumns columns(csv, joint_count, {"image", "x", "y", "z", "qx", "qy", "qz", "qw"});
+  const auto pose_columns = flangePoseColumns(csv);
+  if (!columns.hasJoints() && !pose_columns) {
+    throw FileError(file, 1, "neither joint readings nor flange poses, expected columns q1, q2, ... or x, y, z, qx, qy, qz, qw");
+  }
+  SampleTable table;
+  table.file = file;
+  table.other_columns = columns.otherColumns();
+  table.has_joints = columns.hasJoints();
+  table.has_flange_poses = pose_columns.has_value();
+  std::map<std::string, int> line_of_image;
+  for (std::size_t row = 0; row < csv.rowCount(); ++row) {
+    Sample sample = columns.read(row);
+    sample.image = csv.text(row, image);
+    if (sample.image.empty()) throw FileError(file, sample.line, "the image is empty, expected its path");
+    const auto [earlier, fresh] = line_of_image.emplace(sample.image, sample.line);
+    if (!fresh) {
+      throw FileError(file, sample.line,
+                      fmt::format("image '{}' is in line {} already, expected one row per image", sample.image, earlier->second));
+    }
+    if (pose_columns) sample.T_base_flange = readPoseCells(csv, row, *pose_columns);
+    table.samples.push_back(std::move(sample));
+  }
+  if (limits_of != nullptr) checkReadings(file, table.samples, *limits_of);
+  requireSeveralPoses(file, table.samples);
+  return table;
+}
+
+std::string samplesCsv(const SampleTable& table) {
+  const std::vector<OutputColumn> columns = outputColumns(table);
+  const bool images = std::any_of(table.samples.begin(), table.samples.end(), [](const Sample& sample) { return !sample.image.empty(); });
+  std::vector<std::string> header;
+  if (images) header.push_back("image");
+  for (const OutputColumn& column : columns) header.push_back(column.name);
+  CsvWriter writer(header);
+  for (const Sample& sample : table.samples) {
+    if (images) writer.cell(sample.image);
+    for (const OutputColumn& column : columns) {
+      const std::optional<double> value = column.value(sample);
+      if (!value) {
+        writer.cell(std::string());
+      } else if (column.integer) {
+        writer.cell(static_cast<long>(*value));
+      } else {
+        writer.cell(*value);
+      }
+    }
+    writer.endRow();
+  }
+  return writer.str();
+}
+
+std::vector<std::vector<std::size_t>> poseGroups(const std::vector<Sample>& samples) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::map<long, std::size_t> group_of_pose;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    std::size_t group = groups.size();
+    if (samples[k].pose) group = group_of_pose.emplace(*samples[k].pose, group).first->second;
+    if (group == groups.size()) groups.emplace_back();
+    groups[group].push_back(k);
+  }
+  return groups;
+}
+
+}  // namespace poecal
