@@ -33,6 +33,7 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 
 constexpr Command kCommands[] = {
     {"run", "the main job: intrinsics where asked for, detect, measure, identify", setUpRun},
+    {"intrinsics", "camera intrinsics from pictures of a board", setUpIntrinsics},
     {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
     {"identify", "the arm's twists and home pose", setUpIdentify},
     {"predict", "the corners or flange poses that a model expects", setUpPredict},

@@ -207,6 +207,7 @@ std::vector<std::string> pictureWarnings(const IntrinsicsResult& result) {
   std::string bad;
   std::vector<double> good_rms;
   for (const ViewResidual& entry : result.views) {
+    if (entry.points == 0) continue;  // the detector has said why
     if (!entry.used) {
       warnings.push_back(
           fmt::format("{} is not used: {} points of the board, expected at least 4 that fix its pose", entry.image, entry.points));
@@ -254,7 +255,9 @@ IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int wi
   result.views = std::move(residuals);
 
   result.warnings = pictureWarnings(result);
-  if (!chosen.converged) result.warnings.push_back(fmt::format("the fit did not settle within {} iterations", options.max_iterations));
+  if (!chosen.converged)
+    result.warnings.push_back(
+        fmt::format("the fit did not settle within {} iterations: a model with fewer coefficients may be enough", options.max_iterations));
   for (const std::string& warning : coefficientWarnings(chosen)) result.warnings.push_back(warning);
   constexpr double kLittleTilt_rad = 15.0 * M_PI / 180.0;
   const double spread = tiltSpread(all.views, all.fit.estimate.T_camera_target);

@@ -1,5 +1,6 @@
 #include "camera/intrinsics_start.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -17,18 +18,6 @@ Eigen::Vector3d extents(const Eigen::Matrix3Xd& points) {
   const Eigen::Matrix3Xd centred = points.colwise() - points.rowwise().mean();
   const Eigen::Matrix3d scatter = centred * centred.transpose();
   return scatter.jacobiSvd().singularValues().cwiseSqrt();
-}
-
-struct Refined {
-  Eigen::Isometry3d T_camera_target;
-  double rms_px = 0.0;
-};
-
-std::optional<Refined> refinedPose(const Camera& camera, const BoardView& view, const Eigen::Isometry3d& T_camera_target) {
-  constexpr int kMaxIterations = 30;
-  const auto fit = fitBoardBundle({&view}, {camera, {T_camera_target}}, {}, kMaxIterations);
-  if (!fit) return std::nullopt;
-  return Refined{fit->estimate.T_camera_target[0], std::sqrt(fit->squared_error / static_cast<double>(view.points.cols()))};
 }
 
 /// Poses that solvePnP proposes, from the pixels whose rays are less than about 87 degrees from the axis.
@@ -62,13 +51,17 @@ std::vector<Eigen::Isometry3d> proposePoses(const Camera& camera, const BoardVie
   return poses;
 }
 
-std::optional<Refined> bestPose(const Camera& camera, const BoardView& view) {
-  std::optional<Refined> best;
+double rmsOf(const Eigen::Matrix2Xd& residuals) { return std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.cols())); }
+
+/// Reprojection error of the better proposal, not refined: enough to rank focal lengths. Without a pose the picture counts as wrong by
+/// its whole width.
+double proposedRms(const Camera& camera, const BoardView& view) {
+  double least = camera.width;
   for (const Eigen::Isometry3d& proposed : proposePoses(camera, view)) {
-    const std::optional<Refined> refined = refinedPose(camera, view, proposed);
-    if (refined && (!best || refined->rms_px < best->rms_px)) best = refined;
+    const auto residuals = boardResiduals(camera, proposed, view);
+    if (residuals) least = std::min(least, rmsOf(*residuals));
   }
-  return best;
+  return least;
 }
 
 Camera undistortedCamera(int width, int height, DistortionModel model, double focal_length) {
@@ -105,9 +98,14 @@ bool flat(const Eigen::Matrix3Xd& points) {
 }
 
 std::optional<Eigen::Isometry3d> boardPose(const Camera& camera, const BoardView& view) {
-  const std::optional<Refined> best = bestPose(camera, view);
+  constexpr int kMaxIterations = 30;
+  std::optional<BoardBundleFit> best;
+  for (const Eigen::Isometry3d& proposed : proposePoses(camera, view)) {
+    auto refined = fitBoardBundle({&view}, {camera, {proposed}}, {}, kMaxIterations);
+    if (refined && (!best || refined->squared_error < best->squared_error)) best = std::move(refined);
+  }
   if (!best) return std::nullopt;
-  return best->T_camera_target;
+  return best->estimate.T_camera_target[0];
 }
 
 Camera startCamera(const std::vector<const BoardView*>& views, int width, int height, DistortionModel model) {
@@ -119,11 +117,7 @@ Camera startCamera(const std::vector<const BoardView*>& views, int width, int he
   for (double ratio = kShortest; ratio < kLongest; ratio *= kRatio) {
     const Camera camera = undistortedCamera(width, height, model, ratio * width);
     std::vector<double> errors;
-    for (const BoardView* view : scanned) {
-      const std::optional<Refined> pose = bestPose(camera, *view);
-      // A picture without a pose counts as wrong by its whole width.
-      errors.push_back(pose ? pose->rms_px : static_cast<double>(width));
-    }
+    for (const BoardView* view : scanned) errors.push_back(proposedRms(camera, *view));
     const double error = median(errors);
     if (error < least) {
       least = error;
