@@ -68,7 +68,7 @@ TEST(Registration, EyeInHandCarriesPointsByWayOfTheBase) {
 
 TEST(Registration, BaseFlangeUndoesCameraTarget) {
   Rng rng = test::rngOfThisTest();
-  for (const Setup setup : {Setup::kEyeToHand, Setup::kEyeInHand}) {
+  for (const poecal::Setup setup : {Setup::kEyeToHand, Setup::kEyeInHand}) {
     const Registration registration = randomRegistration(rng, setup);
     const Eigen::Isometry3d T_base_flange = test::randomPose(rng);
     EXPECT_THAT(registration.baseFlange(registration.cameraTarget(T_base_flange)), PoseIsNear(T_base_flange, kRounding));
