@@ -32,6 +32,7 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 }
 
 constexpr Command kCommands[] = {
+    {"export", "the URDF with the calibrated geometry", setUpExport},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
     {"diagnose", "where the gap lies, which effect causes it, how far it shrinks (not built yet)", setUpNotBuilt},
     {"report", "one self-contained page (not built yet)", setUpNotBuilt},
