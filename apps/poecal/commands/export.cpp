@@ -75,13 +75,15 @@ int runExport(ExportOptions options, const Common& common) {
   model.checkFormat("poecal-model/1");
   const Arm calibrated = readRobotMap(model["robot"]);
   chooseLinks(options, model);
-  std::error_code not_there;
-  if (std::filesystem::equivalent(options.urdf, options.out, not_there)) {
-    throw InvalidArgument(fmt::format("--out {} is the input itself, expected another file", options.out.string()));
+  for (const std::filesystem::path& input : {options.model, options.urdf}) {
+    std::error_code out_is_not_there;
+    if (std::filesystem::equivalent(input, options.out, out_is_not_there)) {
+      throw InvalidArgument(fmt::format("--out {} is an input itself, expected another file", options.out.string()));
+    }
   }
+  warnOfEffects(model);
   const Arm nominal = readUrdf(options.urdf, options.base_link, options.tip_link);
   writeTextFile(options.out, correctedUrdf(options.urdf, options.base_link, options.tip_link, calibrated));
-  warnOfEffects(model);
   summarise(common, options, nominal, calibrated);
   return 0;
 }
@@ -96,6 +98,15 @@ std::function<int()> setUpExport(CLI::App& app, const Common& common) {
   app.add_option("--base-link", options->base_link, "Where the arm begins (default: as the model says, or the root)")->option_text("LINK");
   app.add_option("--tip-link", options->tip_link, "Where it ends, the flange (default: as the model says, or the only leaf)")
       ->option_text("LINK");
+  app.footer(
+      "$ poecal export out/model.yaml --urdf scara.urdf --out calibrated.urdf\n"
+      "calibrated.urdf: 4 joints from base to quill\n"
+      "joint                shift [mm]  tilt [mrad]\n"
+      "shoulder                  0.361        0.000\n"
+      "elbow                     0.700        2.000\n"
+      "turn                      0.000        0.000\n"
+      "lift                      0.000        0.000\n"
+      "shift: from the old origin to the new axis; tilt: between old and new axis.");
   return [options, &common] { return runExport(*options, common); };
 }
 
