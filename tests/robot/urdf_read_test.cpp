@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <locale>
+#include <ostream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -126,6 +127,9 @@ struct BadUrdf {
   const char* tip_link;
   const char* message;
 };
+
+// Without it GoogleTest prints, and CTest lists, the bytes of the pointers.
+void PrintTo(const BadUrdf& value, std::ostream* out) { *out << value.what; }
 
 const BadUrdf kBadUrdfs[] = {
     {"Xml", "</robot>", "", "a", "c", "small.urdf:1: not valid XML"},
