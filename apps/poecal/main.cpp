@@ -37,6 +37,7 @@ constexpr Command kCommands[] = {
     {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
     {"identify", "the arm's twists and home pose", setUpIdentify},
     {"predict", "the corners or flange poses that a model expects", setUpPredict},
+    {"export", "the URDF with the calibrated geometry", setUpExport},
     {"paper", "the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
     {"diagnose", "where the gap lies, which effect causes it, how far it shrinks (not built yet)", setUpNotBuilt},

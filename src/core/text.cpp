@@ -26,7 +26,8 @@ std::string readTextFile(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, status)) throw FileError(file, 0, "no such file");
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream content;
-  content << stream.rdbuf();
+  // Inserting an empty buffer counts as a failure, which an empty file is not.
+  if (stream.peek() != std::ifstream::traits_type::eof()) content << stream.rdbuf();
   if (!stream || !content) throw FileError(file, 0, "cannot be read");
   return content.str();
 }
