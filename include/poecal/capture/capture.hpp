@@ -21,9 +21,9 @@ const char* setupName(Setup setup);  ///< "eye_to_hand", "eye_in_hand"
 
 /// One row of samples.csv or poses.csv. Vectors are empty and optionals unset where the file has no such column.
 struct Sample {
-  std::string image;  ///< as written in the file; empty for poses.csv
-  int line = 0;       ///< 1-based line in its file
-  Eigen::VectorXd q;  ///< joint readings [rad] or [m]
+  std::string image;                               ///< as written in the file; empty for poses.csv
+  int line = 0;                                    ///< 1-based line in its file
+  Eigen::VectorXd q;                               ///< joint readings [rad] or [m]
   std::optional<Eigen::Isometry3d> T_base_flange;  ///< as the controller reports it
   std::optional<long> pose;
   std::optional<double> stamp, temperature, payload;
@@ -45,9 +45,9 @@ struct Capture {
   std::string name;
   Setup setup = Setup::kEyeToHand;
   std::optional<Arm> arm;
-  std::filesystem::path robot_file;      ///< robot.yaml or URDF; empty where none is named
-  std::string base_link, tip_link;       ///< URDF only
-  std::optional<Camera> camera;          ///< unset where intrinsics: names a folder instead
+  std::filesystem::path robot_file;  ///< robot.yaml or URDF; empty where none is named
+  std::string base_link, tip_link;   ///< URDF only
+  std::optional<Camera> camera;      ///< unset where intrinsics: names a folder instead
   std::filesystem::path intrinsics_folder;
   Target target;
   std::optional<Target> reference;
@@ -74,7 +74,7 @@ std::string samplesCsv(const SampleTable& table);
 
 /// One row of poses.csv: a measured pose, or a position alone.
 struct MeasuredPose {
-  Sample sample;  ///< its joints and optional columns
+  Sample sample;                                                        ///< its joints and optional columns
   Eigen::Isometry3d T_instrument_tool = Eigen::Isometry3d::Identity();  ///< rotation is identity where `position_only`
   bool position_only = false;
   std::optional<double> sigma_position, sigma_rotation;  ///< [m], [rad]
@@ -90,7 +90,8 @@ struct PoseTable {
 /// Reads poses.csv for an arm. Errors as readCapture.
 PoseTable readPoses(const std::filesystem::path& file, const Arm& arm);
 
-/// The groups of rows that share a pose (column `pose`; a row without one is its own), in order of first appearance: indices into `samples`.
+/// The groups of rows that share a pose (column `pose`; a row without one is its own), in order of first appearance: indices into
+/// `samples`.
 std::vector<std::vector<std::size_t>> poseGroups(const std::vector<Sample>& samples);
 
 }  // namespace poecal

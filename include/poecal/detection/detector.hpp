@@ -11,11 +11,12 @@
 namespace poecal {
 
 struct DetectOptions {
-  int jobs = 0;                 ///< pictures at a time; 0: one per core
-  double quad_decimate = 2.0;   ///< AprilTag looks for quads in a picture this much smaller; edges are refined in the full one
-  int expected_width = 0;       ///< 0: any size
+  int jobs = 0;                ///< pictures at a time; 0: one per core
+  double quad_decimate = 2.0;  ///< AprilTag looks for quads in a picture this much smaller; edges are refined in the full one
+  int expected_width = 0;      ///< 0: the size of the first picture that can be read
   int expected_height = 0;
-  void validate() const;
+  std::vector<int> other_tags;  ///< ids that are in view for another purpose (a reference) and need no note
+  void validate() const;        ///< @throws InvalidArgument with the field's name and value.
 };
 
 /// What a picture had to say besides its corners.
@@ -26,22 +27,27 @@ struct PictureNote {
 };
 
 struct DetectResult {
-  Detections detections;            ///< one entry per picture, in the order given; empty corners where it failed
-  std::vector<PictureNote> notes;   ///< in the order of the pictures
-  int width = 0, height = 0;        ///< of the pictures
+  Detections detections;           ///< one entry per picture, in the order given; empty corners where it failed
+  std::vector<PictureNote> notes;  ///< in the order of the pictures
+  int width = 0, height = 0;       ///< of the pictures
 };
 
 /// Corners of `target` in each of `images` (relative to `folder`). Memory does not grow with the number of pictures, and the result
 /// does not depend on options.jobs.
 ///
-/// A target seen twice in one picture (a tag id seen twice) gives no corners for that id. A picture that fails alone is a note.
-/// @throws InvalidArgument for an unknown family or dictionary.
-DetectResult detect(const std::filesystem::path& folder, const std::vector<std::string>& images, const Target& target, const DetectOptions& options);
+/// Tags: a quick pass with quad_decimate, and where a tag of the target is missing a thorough one in the full picture.
+/// A tag id seen twice in one picture gives no corners for that id. A picture that fails alone is a note. Where no tag was seen at all but
+/// tags of another family are there, the last note says so.
+/// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;
+/// others look the same after half a turn and start where OpenCV starts.
+/// @throws InvalidArgument for an unknown family or dictionary, or a target of single points, which pictures do not show.
+DetectResult detect(const std::filesystem::path& folder, const std::vector<std::string>& images, const Target& target,
+                    const DetectOptions& options);
 
 /// Names that `family` may have, for messages.
 std::vector<std::string> knownFamilies();
 
-/// Pictures of a folder (png, jpg, jpeg, tif, tiff, bmp), sorted by name.
+/// Pictures of a folder (png, jpg, jpeg, tif, tiff, bmp), sorted by name. @throws FileError where the folder cannot be read.
 std::vector<std::string> listPictures(const std::filesystem::path& folder);
 
 }  // namespace poecal

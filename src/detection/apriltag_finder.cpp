@@ -1,0 +1,75 @@
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "detection/corner_finder.hpp"
+#include "detection/tag_detector.hpp"
+
+namespace poecal {
+namespace {
+
+class AprilTagFinder : public CornerFinder {
+ public:
+  AprilTagFinder(const Target& target, const DetectOptions& options)
+      : family_(target.family),
+        quad_decimate_(options.quad_decimate),
+        others_(options.other_tags.begin(), options.other_tags.end()),
+        detector_(target.family) {
+    for (const TargetTag& tag : target.tags) wanted_.insert(tag.id);
+  }
+
+  Finding find(const cv::Mat& grey) override {
+    std::vector<TagDetection> tags = detector_.detect(grey, quad_decimate_, true);
+    if (!allWantedIn(tags)) {
+      // Slower by an order of magnitude, so only where the quick pass has missed something.
+      std::vector<TagDetection> more = detectThoroughly(detector_, grey);
+      addUnseen(more, tags);
+      tags = std::move(more);
+    }
+    return choose(tags);
+  }
+
+ private:
+  bool allWantedIn(const std::vector<TagDetection>& tags) const {
+    std::set<int> missing = wanted_;
+    for (const TagDetection& tag : tags) missing.erase(tag.id);
+    return missing.empty();
+  }
+
+  Finding choose(const std::vector<TagDetection>& tags) const {
+    std::map<int, std::vector<const TagDetection*>> by_id;
+    for (const TagDetection& tag : tags) by_id[tag.id].push_back(&tag);
+    Finding finding;
+    for (auto& [id, seen] : by_id) {
+      // What was read without correction is the tag; what needed correction beside it is clutter.
+      const auto fewest = [](const TagDetection* a, const TagDetection* b) { return a->corrected_bits < b->corrected_bits; };
+      const int bits = (*std::min_element(seen.begin(), seen.end(), fewest))->corrected_bits;
+      std::erase_if(seen, [bits](const TagDetection* tag) { return tag->corrected_bits > bits; });
+      if (!wanted_.contains(id)) {
+        if (bits == 0 && !others_.contains(id)) finding.notes.push_back(fmt::format("tag {} is not the target's", id));
+      } else if (seen.size() > 1) {
+        finding.notes.push_back(fmt::format("tag {} is seen {} times and left out", id, seen.size()));
+      } else {
+        for (int corner = 0; corner < 4; ++corner) finding.corners.push_back({{id, corner}, seen.front()->px.col(corner)});
+      }
+    }
+    if (finding.corners.empty() && finding.notes.empty()) finding.notes.push_back(fmt::format("no tag of family {} was found", family_));
+    return finding;
+  }
+
+  std::string family_;
+  double quad_decimate_;
+  std::set<int> others_;
+  std::set<int> wanted_;
+  TagDetector detector_;
+};
+
+}  // namespace
+
+std::unique_ptr<CornerFinder> makeAprilTagFinder(const Target& target, const DetectOptions& options) {
+  return std::make_unique<AprilTagFinder>(target, options);
+}
+
+}  // namespace poecal

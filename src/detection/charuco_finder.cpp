@@ -1,0 +1,59 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <opencv2/aruco/charuco.hpp>
+
+#include "detection/corner_finder.hpp"
+#include "target/names.hpp"
+
+namespace poecal {
+namespace {
+
+cv::Ptr<cv::aruco::Dictionary> dictionaryOf(const std::string& name) {
+  // The names stand in the order of OpenCV's enumeration.
+  const IdSet& set = findIdSet(markerDictionaries(), name, "dictionary");
+  return cv::aruco::getPredefinedDictionary(static_cast<int>(&set - markerDictionaries().data()));
+}
+
+class CharucoFinder : public CornerFinder {
+ public:
+  explicit CharucoFinder(const Target& target)
+      : dictionary_(dictionaryOf(target.dictionary)),
+        board_(cv::aruco::CharucoBoard::create(target.cols, target.rows, static_cast<float>(target.square),
+                                               static_cast<float>(target.marker), dictionary_)),
+        parameters_(cv::aruco::DetectorParameters::create()) {
+    // Refining the markers' corners would let those near a corner of the board snap to it; the interpolation from markers is then off by
+    // the margin between marker and square. The board's corners themselves are refined, by OpenCV, with windows that stop short of markers.
+    parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+  }
+
+  Finding find(const cv::Mat& grey) override {
+    std::vector<std::vector<cv::Point2f>> markers;
+    std::vector<int> marker_ids;
+    cv::aruco::detectMarkers(grey, dictionary_, markers, marker_ids, parameters_);
+    if (marker_ids.empty()) return {{}, {"no marker of the board was found"}};
+    std::vector<cv::Point2f> corners;
+    std::vector<int> ids;
+    cv::aruco::interpolateCornersCharuco(markers, marker_ids, grey, board_, corners, ids);
+    Finding finding;
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      finding.corners.push_back({{-1, ids[k]}, {static_cast<double>(corners[k].x), static_cast<double>(corners[k].y)}});
+    }
+    std::sort(finding.corners.begin(), finding.corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
+    if (ids.empty()) {
+      finding.notes.push_back(fmt::format("{} markers of the board were found, but no corner between two of them", marker_ids.size()));
+    }
+    return finding;
+  }
+
+ private:
+  cv::Ptr<cv::aruco::Dictionary> dictionary_;
+  cv::Ptr<cv::aruco::CharucoBoard> board_;
+  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+};
+
+}  // namespace
+
+std::unique_ptr<CornerFinder> makeCharucoFinder(const Target& target) { return std::make_unique<CharucoFinder>(target); }
+
+}  // namespace poecal

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "detection/corner_finder.hpp"
+
+namespace poecal {
+namespace {
+
+class ChessboardFinder : public CornerFinder {
+ public:
+  explicit ChessboardFinder(const Target& target) : size_(target.cols, target.rows) {}
+
+  Finding find(const cv::Mat& grey) override {
+    std::vector<cv::Point2f> corners;
+    constexpr int kFlags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
+    if (!cv::findChessboardCorners(grey, size_, corners, kFlags)) {
+      return {{}, {fmt::format("no chessboard of {} x {} inner corners was found", size_.width, size_.height)}};
+    }
+    const int half = windowHalfSize(corners);
+    const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 1e-4);
+    cv::cornerSubPix(grey, corners, {half, half}, {-1, -1}, until);
+    if (colourTellsEnds() && !firstSquareIsDark(grey, corners)) std::reverse(corners.begin(), corners.end());
+    Finding finding;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      finding.corners.push_back({{-1, static_cast<int>(k)}, {static_cast<double>(corners[k].x), static_cast<double>(corners[k].y)}});
+    }
+    return finding;
+  }
+
+ private:
+  const cv::Point2f& at(const std::vector<cv::Point2f>& corners, int col, int row) const {
+    return corners[static_cast<std::size_t>(row * size_.width + col)];
+  }
+
+  /// As large as fits without reaching the next corner, whose edges would pull: 0.4 of the shortest side of a square.
+  int windowHalfSize(const std::vector<cv::Point2f>& corners) const {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (int row = 0; row < size_.height; ++row) {
+      for (int col = 0; col < size_.width; ++col) {
+        if (col > 0) shortest = std::min(shortest, cv::norm(at(corners, col, row) - at(corners, col - 1, row)));
+        if (row > 0) shortest = std::min(shortest, cv::norm(at(corners, col, row) - at(corners, col, row - 1)));
+      }
+    }
+    return std::clamp(static_cast<int>(std::floor(0.4 * shortest)), 2, 11);
+  }
+
+  /// With an odd and an even number of corners half a turn of the board swaps black and white.
+  bool colourTellsEnds() const { return (size_.width + size_.height) % 2 == 1; }
+
+  /// Whether the square between corners 0, 1, cols and cols + 1 is darker than the one beside it along the row.
+  bool firstSquareIsDark(const cv::Mat& grey, const std::vector<cv::Point2f>& corners) const {
+    const auto brightness = [&](int col) {
+      const cv::Point2f centre = 0.25F * (at(corners, col, 0) + at(corners, col + 1, 0) + at(corners, col, 1) + at(corners, col + 1, 1));
+      cv::Mat patch;
+      cv::getRectSubPix(grey, {3, 3}, centre, patch);
+      return cv::mean(patch)[0];
+    };
+    return brightness(0) < brightness(1);
+  }
+
+  cv::Size size_;
+};
+
+}  // namespace
+
+std::unique_ptr<CornerFinder> makeChessboardFinder(const Target& target) { return std::make_unique<ChessboardFinder>(target); }
+
+}  // namespace poecal

@@ -1,0 +1,17 @@
+// Where no tag was found: whether tags of another family than the stated one are in the pictures.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "poecal/detection/detector.hpp"
+
+namespace poecal {
+
+/// Looks at a few of `images` for all families but `family`; a note where one was seen.
+std::optional<PictureNote> hintAtFamily(const std::filesystem::path& folder, const std::vector<std::string>& images,
+                                        const std::string& family);
+
+}  // namespace poecal

@@ -1,0 +1,137 @@
+#include "detection/tag_detector.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "poecal/core/error.hpp"
+#include "target/names.hpp"
+
+extern "C" {
+#include <apriltag/apriltag.h>
+#include <apriltag/tag16h5.h>
+#include <apriltag/tag25h9.h>
+#include <apriltag/tag36h10.h>
+#include <apriltag/tag36h11.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagCircle49h12.h>
+#include <apriltag/tagCustom48h12.h>
+#include <apriltag/tagStandard41h12.h>
+#include <apriltag/tagStandard52h13.h>
+}
+
+namespace poecal {
+namespace {
+
+struct FamilyFunctions {
+  std::string_view name;
+  apriltag_family_t* (*create)();
+  void (*destroy)(apriltag_family_t*);
+  int correctable_bits;
+};
+
+// Two bits where a code differs from all others in nine or more; fewer where a random square would pass too often (tag16h5: one in 30 with
+// a bit corrected, one in 500 without) or where the library's table of neighbours, codes x bits^2 / 2 entries, would fill gigabytes.
+constexpr FamilyFunctions kFamilies[] = {
+    {"tag36h11", tag36h11_create, tag36h11_destroy, 2},
+    {"tag36h10", tag36h10_create, tag36h10_destroy, 2},
+    {"tag25h9", tag25h9_create, tag25h9_destroy, 2},
+    {"tag16h5", tag16h5_create, tag16h5_destroy, 0},
+    {"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy, 1},
+    {"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy, 1},
+    {"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy, 1},
+    {"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy, 2},
+    {"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy, 1},
+};
+
+const FamilyFunctions& functionsOf(const std::string& family) {
+  const std::string_view name = findIdSet(tagFamilies(), family, "tag family").name;
+  return *std::find_if(std::begin(kFamilies), std::end(kFamilies), [&](const FamilyFunctions& entry) { return entry.name == name; });
+}
+
+TagDetection convert(const apriltag_detection_t& raw) {
+  TagDetection tag;
+  tag.id = raw.id;
+  tag.corrected_bits = raw.hamming;
+  tag.decision_margin = static_cast<double>(raw.decision_margin);
+  // The library counts from the corner of the top-left pixel, OpenCV from its centre.
+  for (int corner = 0; corner < 4; ++corner) tag.px.col(corner) << raw.p[corner][0] - 0.5, raw.p[corner][1] - 0.5;
+  return tag;
+}
+
+double largestMove(const TagDetection& a, const TagDetection& b) { return (a.px - b.px).colwise().norm().maxCoeff<Eigen::PropagateNaN>(); }
+
+bool sameTag(const TagDetection& a, const TagDetection& b) {
+  return a.id == b.id && (a.centre() - b.centre()).norm() < 0.5 * std::max(a.longestSide(), b.longestSide());
+}
+
+}  // namespace
+
+double TagDetection::longestSide() const {
+  double longest = 0.0;
+  for (int corner = 0; corner < 4; ++corner) longest = std::max(longest, (px.col((corner + 1) % 4) - px.col(corner)).norm());
+  return longest;
+}
+
+int correctableBits(const std::string& family) { return functionsOf(family).correctable_bits; }
+
+struct TagDetector::Library {
+  const FamilyFunctions& functions;
+  apriltag_family_t* family;
+  apriltag_detector_t* detector;
+
+  Library(const FamilyFunctions& functions_of_family, int corrected_bits)
+      : functions(functions_of_family), family(functions.create()), detector(apriltag_detector_create()) {
+    apriltag_detector_add_family_bits(detector, family, corrected_bits);
+    detector->nthreads = 1;  // pictures run in parallel already
+  }
+  ~Library() {
+    apriltag_detector_destroy(detector);
+    functions.destroy(family);
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+};
+
+TagDetector::TagDetector(const std::string& family) : TagDetector(family, correctableBits(family)) {}
+
+TagDetector::TagDetector(const std::string& family, int corrected_bits)
+    : library_(std::make_unique<Library>(functionsOf(family), corrected_bits)) {}
+
+TagDetector::~TagDetector() = default;
+
+std::vector<TagDetection> TagDetector::detect(const cv::Mat& grey, double quad_decimate, bool refine_edges) {
+  library_->detector->quad_decimate = static_cast<float>(quad_decimate);
+  library_->detector->refine_edges = refine_edges;
+  image_u8_t view{grey.cols, grey.rows, static_cast<int32_t>(grey.step[0]), grey.data};
+  zarray_t* found = apriltag_detector_detect(library_->detector, &view);
+  std::vector<TagDetection> tags;
+  for (int k = 0; k < zarray_size(found); ++k) {
+    apriltag_detection_t* raw = nullptr;
+    zarray_get(found, k, static_cast<void*>(&raw));
+    tags.push_back(convert(*raw));
+  }
+  apriltag_detections_destroy(found);
+  return tags;
+}
+
+void addUnseen(std::vector<TagDetection>& tags, const std::vector<TagDetection>& more) {
+  for (const TagDetection& candidate : more) {
+    if (std::none_of(tags.begin(), tags.end(), [&](const TagDetection& tag) { return sameTag(tag, candidate); })) tags.push_back(candidate);
+  }
+}
+
+std::vector<TagDetection> detectThoroughly(TagDetector& detector, const cv::Mat& grey) {
+  constexpr double kPlausibleMove = 1.0;  // [px]; on readable tags refinement moves corners by 0.1 to 0.5
+  std::vector<TagDetection> tags = detector.detect(grey, 1.0, false);
+  const std::vector<TagDetection> refined = detector.detect(grey, 1.0, true);
+  for (TagDetection& tag : tags) {
+    const auto better = std::find_if(refined.begin(), refined.end(), [&](const TagDetection& candidate) {
+      return candidate.id == tag.id && largestMove(candidate, tag) <= kPlausibleMove;
+    });
+    if (better != refined.end()) tag = *better;
+  }
+  addUnseen(tags, refined);
+  return tags;
+}
+
+}  // namespace poecal
