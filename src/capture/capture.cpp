@@ -2,49 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "capture/manifest.hpp"
 #include "core/yaml.hpp"
 #include "poecal/core/error.hpp"
-#include "poecal/robot/robot_file.hpp"
 
 namespace poecal {
 namespace {
-
-/// The file that a key of the manifest names, relative to its folder. @throws FileError where it is not there.
-std::filesystem::path namedFile(const YamlNode& node) {
-  const std::filesystem::path file = node.file().parent_path() / node.text();
-  if (!std::filesystem::is_regular_file(file)) node.fail(fmt::format("'{}' is no file of the capture folder", node.text()));
-  return file;
-}
-
-std::filesystem::path namedFolder(const YamlNode& node) {
-  const std::filesystem::path folder = node.file().parent_path() / node.text();
-  if (!std::filesystem::is_directory(folder)) node.fail(fmt::format("'{}' is no folder of the capture folder", node.text()));
-  return folder;
-}
-
-Setup readSetup(const YamlNode& node) {
-  for (const Setup setup : {Setup::kEyeToHand, Setup::kEyeInHand}) {
-    if (node.text() == setupName(setup)) return setup;
-  }
-  node.fail(fmt::format("is '{}', expected eye_to_hand or eye_in_hand", node.text()));
-}
-
-void readRobot(const YamlNode& root, Capture& capture) {
-  const auto robot = root.find("robot");
-  const bool urdf = robot && std::filesystem::path(robot->text()).extension() == ".urdf";
-  for (const char* key : {"base_link", "tip_link"}) {
-    if (!urdf && root.has(key)) root[key].fail("only a robot that is a URDF has links to name");
-  }
-  if (!robot) return;
-  capture.robot_file = namedFile(*robot);
-  if (!urdf) {
-    capture.arm = readRobotYaml(capture.robot_file);
-    return;
-  }
-  capture.base_link = root["base_link"].text();
-  capture.tip_link = root["tip_link"].text();
-  capture.arm = readUrdf(capture.robot_file, capture.base_link, capture.tip_link);
-}
 
 void readLens(const YamlNode& root, Capture& capture) {
   const auto camera = root.find("camera");
@@ -77,7 +40,12 @@ Capture readCapture(const std::filesystem::path& folder) {
   capture.folder = folder;
   capture.name = root["name"].text();
   capture.setup = readSetup(root["setup"]);
-  readRobot(root, capture);
+  if (auto robot = readNamedRobot(root)) {
+    capture.arm = std::move(robot->arm);
+    capture.robot_file = robot->file;
+    capture.base_link = robot->base_link;
+    capture.tip_link = robot->tip_link;
+  }
   readLens(root, capture);
   capture.target = readTarget(namedFile(root["target"]));
   if (const auto reference = root.find("reference")) {

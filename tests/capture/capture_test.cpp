@@ -79,7 +79,7 @@ TEST_F(CaptureFolder, ErrorsNameLineAndExpectation) {
   EXPECT_THAT(errorOf(head + kFiles + "lens: x\n"), HasSubstr("capture.yaml:8: unknown key 'lens'"));
   EXPECT_THAT(errorOf("format: poecal-capture/1\nname: a\nsetup: hand_in_eye\n"),
               HasSubstr("capture.yaml:3: setup: is 'hand_in_eye', expected eye_to_hand or eye_in_hand"));
-  EXPECT_THAT(errorOf(head + "robot: none.yaml\n"), HasSubstr("capture.yaml:4: robot: 'none.yaml' is no file of the capture folder"));
+  EXPECT_THAT(errorOf(head + "robot: none.yaml\n"), HasSubstr("capture.yaml:4: robot: 'none.yaml' is not there, expected a file"));
   EXPECT_THAT(errorOf(head + "robot: robot.yaml\nbase_link: base\n"), HasSubstr("capture.yaml:5: base_link: only a robot that is a URDF"));
   EXPECT_THAT(errorOf(head + "robot: robot.yaml\ntarget: target.yaml\n"),
               HasSubstr("key 'camera' is missing, expected it, or 'intrinsics'"));

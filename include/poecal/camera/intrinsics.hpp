@@ -1,6 +1,7 @@
-// Intrinsics from pictures of a board: OpenCV for the start, then our own refinement with covariance and named bad pictures.
+// Intrinsics from pictures of a board: least squares over camera and board poses, with covariance and the bad pictures by name.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,35 +21,59 @@ struct BoardView {
 
 struct IntrinsicsOptions {
   DistortionModel model = DistortionModel::kPlumbBob;
-  int max_iterations = 100;
+  int max_iterations = 100;  ///< of each stage of the fit
   /// A picture is named bad where its rms exceeds this many robust standard deviations of the pictures' rms above their median...
   double bad_view_sigmas = 5.0;
-  /// ...and this factor of the median.
+  /// ...and this factor of the median. Never more than a quarter of the pictures: the worst.
   double bad_view_factor = 2.0;
+  /// Whether chosen() is the fit without the bad pictures.
+  bool drop_bad = false;
+  /// @throws InvalidArgument with the field's name and value.
   void validate() const;
 };
 
+/// A camera fitted to some pictures by plain least squares: every corner counts the same, as in cv::calibrateCamera.
+struct IntrinsicsFit {
+  Camera camera;               ///< with standard deviations; NaN for a parameter that the pictures leave open
+  Eigen::MatrixXd covariance;  ///< of camera.parameters(), board poses marginalised, scaled by sigma_px^2
+  double rms_px = 0.0;         ///< sqrt(sum |r|^2 / N), N points, over the pictures it was fitted to
+  double sigma_px = 0.0;       ///< standard deviation of one coordinate: sqrt(sum |r|^2 / (2 N - parameters - 6 pictures))
+  int pictures = 0;
+  int points = 0;
+  bool converged = false;
+};
+
+/// A picture's residuals under the chosen camera, its pose fitted again.
 struct ViewResidual {
   std::string image;
   int points = 0;
-  double rms_px = 0.0;  ///< sqrt(sum |r|^2 / N), N points, with the camera fitted to all pictures
+  bool used = false;    ///< false where there are fewer than 4 points, or all on a line: nothing below is set then
+  bool bad = false;     ///< left out of IntrinsicsResult::without_bad
+  double rms_px = 0.0;  ///< sqrt(sum |r|^2 / N), N points
   double max_px = 0.0;
-  bool bad = false;  ///< left out of `camera`
   Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
 };
 
 struct IntrinsicsResult {
-  Camera camera;               ///< with standard deviations, fitted without the bad pictures
-  Camera camera_all;           ///< fitted with all pictures
-  double rms_px = 0.0;         ///< of `camera` on the pictures it was fitted to
-  double rms_all_px = 0.0;     ///< of `camera_all` on all pictures
-  double sigma_px = 0.0;       ///< estimated standard deviation of one coordinate: sqrt(sum r^2 / (2N - parameters))
-  Eigen::MatrixXd covariance;  ///< of camera.parameters()
-  std::vector<ViewResidual> views;
-  std::vector<std::string> warnings;  ///< e.g. coefficients that the pictures do not determine
+  IntrinsicsFit all;                         ///< to all usable pictures
+  std::optional<IntrinsicsFit> without_bad;  ///< to the others, where some are bad
+  bool drop_bad = false;                     ///< as the options said
+  std::vector<ViewResidual> views;           ///< one for each picture given, in their order
+  std::vector<std::string> warnings;         ///< bad pictures, coefficients that the pictures do not determine, too little tilt
+
+  /// The fit that was asked for: `all`, or with drop_bad the one without the bad pictures (where there are any).
+  const IntrinsicsFit& chosen() const { return drop_bad && without_bad ? *without_bad : all; }
 };
 
-/// @throws InsufficientData: fewer than 3 usable pictures, fewer than 4 points in all of them, or all boards parallel to the image plane.
+/// Fits a camera and one board pose per picture:
+///
+///   minimise sum_v sum_i |project(camera, T_camera_target_v p_i) - px_vi|^2
+///
+/// The start is a scan over focal lengths with poses from OpenCV's solvePnP; the fit is Levenberg-Marquardt with analytic Jacobians,
+/// the poses eliminated by the Schur complement. Boards may be flat or not. The result does not depend on the machine or on threads.
+/// @throws InvalidArgument: views whose points and pixels differ in number, a size that is not positive, options out of range.
+/// @throws InsufficientData: fewer than 3 usable pictures, fewer numbers than unknowns, or a focal length or principal point that the
+/// pictures leave open (all boards parallel to the image plane).
 IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int width, int height, const IntrinsicsOptions& options);
 
 }  // namespace poecal

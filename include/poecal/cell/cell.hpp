@@ -48,6 +48,7 @@ struct Cell {
 };
 
 /// Pixels of the target's points that the camera can see from the front of the model (see project()), sorted by id; not clipped to the picture.
+/// @throws InvalidArgument if the cell has no camera.
 std::vector<Corner> predictCorners(const Cell& cell, const Target& target, const Eigen::Isometry3d& T_base_flange);
 
 }  // namespace poecal

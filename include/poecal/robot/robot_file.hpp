@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "poecal/robot/arm.hpp"
 
@@ -16,14 +17,26 @@ Arm readRobotYaml(const std::filesystem::path& file);
 std::string robotYaml(const Arm& arm);
 
 /// Reads the chain base_link .. tip_link of a URDF: fixed joints are folded in, continuous joints are revolute ones without limits,
-/// inertials become links (a fixed body's mass goes to the joint that carries it; none given at all: no links).
-/// @throws FileError: unreadable URDF, a link that is not there (the message lists those that are), a mimic, floating or planar
-/// joint inside the chain, no moving joint.
+/// inertials become links (the mass of a body on fixed joints goes to the joint that carries it, and so does that of side branches such as
+/// gripper fingers, as they stand at zero; none given at all: no links). A joint whose <limit> names no range has no limits.
+/// @throws FileError: unreadable URDF, a link that is not there (the message lists those that are), a tip that does not lie below the base,
+/// a mimic, floating or planar joint inside the chain, no moving joint.
 Arm readUrdf(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link);
+
+/// Where the chains of a URDF begin and end.
+struct UrdfEnds {
+  std::string root;
+  /// Links that carry no joint, by name.
+  std::vector<std::string> leaves;
+};
+
+/// @throws FileError: unreadable URDF.
+UrdfEnds urdfEnds(const std::filesystem::path& file);
 
 /// Text of the URDF with the chain's joint origins (and, where it cannot be avoided, axes) changed so that its forward kinematics is that
 /// of `arm`; everything else in the file (comments, meshes, transmissions) stays. Joints are matched by order along the chain.
-/// Where the tip link hangs directly on the last moving joint and its frame must leave the joint's axis, a link and a fixed joint are added between.
+/// Where the tip link hangs directly on the last moving joint and its frame must leave the joint's axis, a link and a fixed joint are added
+/// between.
 /// @throws FileError as readUrdf, or if the chain has other joints than `arm`.
 std::string correctedUrdf(const std::filesystem::path& urdf, const std::string& base_link, const std::string& tip_link, const Arm& arm);
 

@@ -12,25 +12,26 @@ namespace poecal {
 
 /// How pictures are drawn.
 struct ImageOptions {
-  double blur = 0.7;   ///< standard deviation of the Gaussian point spread [px]
-  double noise = 2.0;  ///< standard deviation of a pixel's noise [grey levels of 255]
+  double blur = 0.7;                   ///< standard deviation of the Gaussian point spread [px]
+  double noise = 2.0;                  ///< standard deviation of a pixel's noise [grey levels of 255]
   std::string background = "clutter";  ///< "clutter" or "plain"
+  void validate() const;               ///< @throws InvalidArgument with the field's name and value.
 };
 
 struct Scene {
   std::filesystem::path file;
   std::string name;
-  Arm nominal;                         ///< what the capture is told
-  std::filesystem::path robot_file;    ///< robot.yaml or URDF; copied into the capture
-  std::string base_link, tip_link;     ///< URDF only
-  Arm actual;                          ///< the truth: nominal with `errors`, or the file `actual:`
-  Camera camera;                       ///< the true lens
-  Camera stated_camera;                ///< what the capture is told
-  Target target;                       ///< the true target
-  Target stated_target;                ///< what the capture is told
+  Arm nominal;                       ///< what the capture is told
+  std::filesystem::path robot_file;  ///< robot.yaml or URDF; copied into the capture
+  std::string base_link, tip_link;   ///< URDF only
+  Arm actual;                        ///< the truth: nominal with `errors`, or the file `actual:`
+  Camera camera;                     ///< the true lens
+  Camera stated_camera;              ///< what the capture is told
+  Target target;                     ///< the true target
+  Target stated_target;              ///< what the capture is told
   Registration registration;
   int count = 60;                      ///< poses; ignored where samples come from a file
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;              ///< of the samples, the pictures and the noise
   int repeats = 1;                     ///< shots per pose
   std::filesystem::path samples_file;  ///< empty: drawn
   std::optional<ImageOptions> image;   ///< pictures...
@@ -41,9 +42,11 @@ struct Scene {
 
 /// Reads scene.yaml (format poecal-scene/1). Keys as in the contract, and
 ///   setup: eye_in_hand (default eye_to_hand); base_link, tip_link beside a URDF robot; stated_target: other.yaml;
-///   intrinsics: {target: board.yaml, count: 15}: pictures of a board for the capture's intrinsics folder, and no camera.yaml in the capture;
-///   registration: with T_camera_flange and T_base_target where setup is eye_in_hand.
-/// `errors: {seed, position, rotation}` turns every axis about two directions across it and shifts it along them (revolute), 1 sigma each per joint.
+///   intrinsics: {target: board.yaml, count: 15}: pictures of a board for the capture's intrinsics folder, and no camera.yaml in the
+///   capture; registration: with T_camera_flange and T_base_target where setup is eye_in_hand.
+/// `samples: {count, seed, repeats}` or `samples: {file, seed}`; each has the default of Scene. Without `image:` and `corners:` pictures
+/// are drawn. `errors: {seed, position, rotation}` turns every axis about two directions across it and shifts it along them (revolute), 1
+/// sigma each per joint.
 /// @throws FileError with the line. `effects:` that are not empty are an error that says that effects are not built yet.
 Scene readScene(const std::filesystem::path& file);
 

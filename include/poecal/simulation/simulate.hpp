@@ -1,6 +1,7 @@
 // A scene -> a capture folder, with its truth beside it.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <vector>
 
@@ -13,18 +14,33 @@ struct SimulateOptions {
 };
 
 /// Joint readings of a scene: read from its file, or drawn uniformly within the limits (revolute joints without limits: +-pi; limits are
-/// cut to +-pi about their middle) and kept where the whole target is in the picture with a margin of 5 % of its size, before the camera, faces it
-/// within 60 degrees (at least one tag of a target with several faces does), and where a tag's side is at least 40 px.
-/// Rows carry q1..qn, pose, stamp (10 s apart), dir1..dirn (side from which each joint came from the pose before).
-/// @throws InsufficientData where 1000 draws per pose find none in view, with what to change.
+/// cut to +-pi about their middle) and kept where the whole target is before the camera and in the picture, 5 % of the picture's width and
+/// height away from its borders, and where it faces the camera within 60 degrees with tags' sides of at least 40 px (a board's squares: 15
+/// px); of several tags one must. Rows carry q1..qn, pose, stamp (10 s apart), dir1..dirn (side from which each joint came from the pose
+/// before).
+/// @throws InsufficientData where 1000 draws for a pose find none in view, with what to change. FileError: a prismatic joint without
+/// limits.
 SampleTable drawSamples(const Scene& scene);
 
-/// Exact corners of a scene, one entry per sample, of tags that face the camera and are in the picture whole.
+/// Exact corners of a scene, one entry per sample, of tags (or the board) that face the camera within 80 degrees and are in the picture
+/// whole. Tags that other tags hide are not left out.
 std::vector<ImageCorners> trueCorners(const Scene& scene, const SampleTable& samples);
 
+/// What was written.
+struct SimulateSummary {
+  std::size_t poses = 0;
+  std::size_t samples = 0;         ///< rows of samples.csv
+  std::size_t without_target = 0;  ///< samples that show no tag whole; only samples from a file do
+  std::size_t corners = 0;         ///< of all samples
+  bool pictures = false;           ///< pictures; otherwise detections.csv
+  std::size_t boards = 0;          ///< intrinsics pictures
+  std::filesystem::path truth;     ///< the truth's folder
+};
+
 /// Writes the capture folder `capture` and the folder `capture`-truth beside it: truth.yaml (registration, the scene's seeds and noise),
-/// actual.yaml (the arm), camera.yaml, target.yaml, corners.csv (exact), samples.csv (the joints that the arm really had). Deterministic by the scene's seeds,
-/// whatever options.jobs. @throws FileError if `capture` exists and is not empty.
-void simulate(const Scene& scene, const std::filesystem::path& capture, const SimulateOptions& options);
+/// actual.yaml (the arm), camera.yaml, target.yaml, corners.csv (exact), samples.csv (the joints that the arm really had). Deterministic by
+/// the scene's seeds, whatever options.jobs. With intrinsics pictures the truth also holds their exact corners, intrinsics_corners.csv.
+/// @throws FileError if one of the two folders exists and is not empty.
+SimulateSummary simulate(const Scene& scene, const std::filesystem::path& capture, const SimulateOptions& options);
 
 }  // namespace poecal

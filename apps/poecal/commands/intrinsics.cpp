@@ -1,0 +1,139 @@
+// poecal intrinsics: camera intrinsics from pictures of a board.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "poecal/camera/intrinsics.hpp"
+#include "poecal/core/csv.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/detection/board_pictures.hpp"
+
+namespace poecal::app {
+namespace {
+
+struct Arguments {
+  std::filesystem::path folder, out;
+  IntrinsicsOptions options;
+};
+
+constexpr const char* kExample = R"(
+Example:
+  $ poecal intrinsics intrinsics --out camera.yaml
+  camera.yaml: plumb_bob, 13 pictures, 702 points, 0.408 px rms
+    fx     536.064 +- 0.926
+    ...
+)";
+
+std::filesystem::path residualsFile(const std::filesystem::path& out) {
+  return out.parent_path() / (out.stem().string() + "-residuals.csv");
+}
+
+std::string residualsCsv(const IntrinsicsResult& result) {
+  CsvWriter csv({"image", "points", "rms_px", "max_px", "bad"});
+  for (const ViewResidual& view : result.views) {
+    csv.cell(view.image).cell(view.points);
+    // A picture that took no part has no residuals, which is not the same as none of any size.
+    if (view.used) {
+      csv.cell(view.rms_px).cell(view.max_px);
+    } else {
+      csv.cell("").cell("");
+    }
+    csv.cell(view.bad ? 1 : 0).endRow();
+  }
+  return csv.str();
+}
+
+/// The used pictures, the worst first.
+std::vector<const ViewResidual*> worstFirst(const IntrinsicsResult& result) {
+  std::vector<const ViewResidual*> views;
+  for (const ViewResidual& view : result.views) {
+    if (view.used) views.push_back(&view);
+  }
+  std::stable_sort(views.begin(), views.end(), [](const auto* a, const auto* b) { return a->rms_px > b->rms_px; });
+  return views;
+}
+
+std::string summaryText(const Arguments& arguments, const IntrinsicsResult& result) {
+  constexpr std::size_t kWorstShown = 3;
+  const IntrinsicsFit& fit = result.chosen();
+  std::string text = fmt::format("{}: {}, {} pictures, {} points, {:.3f} px rms\n", arguments.out.string(),
+                                 distortionModelName(fit.camera.model), fit.pictures, fit.points, fit.rms_px);
+  const Eigen::VectorXd values = fit.camera.parameters();
+  const std::vector<std::string> names = fit.camera.parameterNames();
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    text += fmt::format("  {:<3} {:>11.{}f} +- {:.2g}\n", names[static_cast<std::size_t>(k)], values(k), k < 4 ? 3 : 5,
+                        fit.camera.standard_deviation(k));
+  }
+  const std::vector<const ViewResidual*> worst = worstFirst(result);
+  text += "worst pictures:\n";
+  for (std::size_t k = 0; k < std::min(kWorstShown, worst.size()); ++k) {
+    text += fmt::format("  {}  {:.3f} px rms, {:.2f} px at most{}\n", worst[k]->image, worst[k]->rms_px, worst[k]->max_px,
+                        worst[k]->bad ? "  (bad)" : "");
+  }
+  return text + fmt::format("{}: every picture's residuals\n", residualsFile(arguments.out).string());
+}
+
+nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& result) {
+  const IntrinsicsFit& fit = result.chosen();
+  nlohmann::json parameters, deviations;
+  const std::vector<std::string> names = fit.camera.parameterNames();
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    parameters[names[k]] = fit.camera.parameters()(static_cast<Eigen::Index>(k));
+    deviations[names[k]] = fit.camera.standard_deviation(static_cast<Eigen::Index>(k));  // NaN becomes null
+  }
+  nlohmann::json bad = nlohmann::json::array();
+  for (const ViewResidual& view : result.views) {
+    if (view.bad) bad.push_back(view.image);
+  }
+  return {{"camera", arguments.out.string()},
+          {"residuals", residualsFile(arguments.out).string()},
+          {"model", distortionModelName(fit.camera.model)},
+          {"parameters", parameters},
+          {"standard_deviation", deviations},
+          {"rms_px", fit.rms_px},
+          {"sigma_px", fit.sigma_px},
+          {"pictures", fit.pictures},
+          {"points", fit.points},
+          {"bad_pictures", bad},
+          {"warnings", result.warnings}};
+}
+
+int run(const Arguments& arguments, const Common& common) {
+  DetectOptions detect_options;
+  detect_options.jobs = common.jobs;
+  const BoardPictures pictures = readBoardPictures(arguments.folder, detect_options);
+  for (const PictureNote& note : pictures.notes) warn(note.image + ": " + note.message);
+  const IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, arguments.options);
+  for (const std::string& warning : result.warnings) warn(warning);
+  writeTextFile(residualsFile(arguments.out), residualsCsv(result));
+  writeTextFile(arguments.out, cameraYaml(result.chosen().camera));
+  printSummary(common, summaryText(arguments, result), summaryJson(arguments, result));
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> setUpIntrinsics(CLI::App& app, const Common& common) {
+  const auto arguments = std::make_shared<Arguments>();
+  const std::map<std::string, DistortionModel> models{
+      {distortionModelName(DistortionModel::kPlumbBob), DistortionModel::kPlumbBob},
+      {distortionModelName(DistortionModel::kRationalPolynomial), DistortionModel::kRationalPolynomial},
+      {distortionModelName(DistortionModel::kEquidistant), DistortionModel::kEquidistant}};
+  app.add_option("FOLDER", arguments->folder, "Pictures of a board, and its target.yaml")->required();
+  app.add_option("--out", arguments->out, "The camera file to write; STEM-residuals.csv goes beside it")->required();
+  app.add_option("--model", arguments->options.model, "plumb_bob (default), rational_polynomial or equidistant")
+      ->transform(CLI::CheckedTransformer(models).description(""))
+      ->type_name("MODEL");
+  app.add_flag("--drop-bad", arguments->options.drop_bad, "Leave the bad pictures out, not only name them");
+  app.footer(kExample);
+  return [arguments, &common] { return run(*arguments, common); };
+}
+
+}  // namespace poecal::app

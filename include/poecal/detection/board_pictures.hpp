@@ -1,0 +1,22 @@
+// A folder of pictures of a board -> the points that intrinsics are found from.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "poecal/camera/intrinsics.hpp"
+#include "poecal/detection/detector.hpp"
+
+namespace poecal {
+
+struct BoardPictures {
+  std::vector<BoardView> views;    ///< one per picture, sorted by name; without points where the board was not found
+  std::vector<PictureNote> notes;  ///< as detect() gives them
+  int width = 0, height = 0;       ///< of the pictures
+};
+
+/// Finds the target of folder/target.yaml in every picture of the folder.
+/// @throws FileError: no pictures, no target.yaml or an error in it. Otherwise as detect().
+BoardPictures readBoardPictures(const std::filesystem::path& folder, const DetectOptions& options);
+
+}  // namespace poecal

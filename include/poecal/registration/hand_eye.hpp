@@ -1,0 +1,31 @@
+// Hand-eye and base registration in closed form: T_camera_target = T_camera_near T_near_far T_far_target for a list of poses.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace poecal {
+
+/// The two constant transforms.
+struct HandEye {
+  Eigen::Isometry3d T_camera_near = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_far_target = Eigen::Isometry3d::Identity();
+};
+
+/// Closed-form solution from poses of the arm and of the target.
+///
+/// Rotation of T_camera_near: the rotation vectors of the relative motions, b_ij = R a_ij, by the orthogonal Procrustes solution (Park and
+/// Martin 1994; pairs near half a turn are left out, where the sign of a rotation vector is lost). R_far_target: mean of
+/// R_near_far^T R_camera_near^T R_camera_target. Translations: linear least squares, the shortest solution where it is not unique.
+///
+/// Where all motions turn about one direction (a SCARA), the rotation about it follows from the translations instead, and sliding both
+/// transforms along it is not determined.
+/// @return nothing where the arm never turns (fewer than two poses, or all of one orientation).
+std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>& T_camera_target);
+
+/// How many independent directions the arm turned about: 0, 1 (a SCARA, or too timid a motion) or more (2 stands for two or three).
+int rotationDirections(const std::vector<Eigen::Isometry3d>& T_near_far);
+
+}  // namespace poecal

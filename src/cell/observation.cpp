@@ -1,0 +1,55 @@
+#include "poecal/cell/observation.hpp"
+
+#include <cmath>
+
+namespace poecal {
+
+Vector6d poseDifference(const Eigen::Isometry3d& T_measured, const Eigen::Isometry3d& T_model) {
+  Vector6d e;
+  e << logSo3(T_measured.linear() * T_model.linear().transpose()), T_measured.translation() - T_model.translation();
+  return e;
+}
+
+std::vector<Observation> cornerObservations(const SampleTable& table, const Detections& detections, const Target& target) {
+  std::vector<Observation> observations;
+  for (std::size_t k = 0; k < table.samples.size(); ++k) {
+    const Sample& sample = table.samples[k];
+    const ImageCorners* found = detections.find(sample.image);
+    if (found == nullptr || found->corners.empty()) continue;
+    Observation observation;
+    observation.sample = k;
+    observation.q = sample.q;
+    observation.T_base_flange = sample.T_base_flange;
+    for (const Corner& corner : found->corners) {
+      const TargetPoint* point = target.find(corner.id);
+      if (point == nullptr) continue;
+      const double sigma = std::isfinite(corner.sigma) && corner.sigma > 0.0 ? corner.sigma : 1.0;
+      observation.corners.push_back({corner.id, point->p_target, corner.px, sigma});
+    }
+    if (!observation.corners.empty()) observations.push_back(std::move(observation));
+  }
+  return observations;
+}
+
+std::vector<Observation> poseObservations(const PoseTable& table, double sigma_position, double sigma_rotation) {
+  std::vector<Observation> observations;
+  for (std::size_t k = 0; k < table.poses.size(); ++k) {
+    const MeasuredPose& measured = table.poses[k];
+    PoseMeasurement pose;
+    pose.T_camera_target = measured.T_instrument_tool;
+    pose.position_only = measured.position_only;
+    Vector6d weight;
+    weight << Eigen::Vector3d::Constant(1.0 / measured.sigma_rotation.value_or(sigma_rotation)),
+        Eigen::Vector3d::Constant(1.0 / measured.sigma_position.value_or(sigma_position));
+    if (pose.position_only) weight.head<3>().setZero();
+    pose.whitening = weight.asDiagonal();
+    Observation observation;
+    observation.sample = k;
+    observation.q = measured.sample.q;
+    observation.pose = pose;
+    observations.push_back(std::move(observation));
+  }
+  return observations;
+}
+
+}  // namespace poecal

@@ -1,0 +1,164 @@
+#include "robot/urdf_file.hpp"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+
+namespace poecal {
+namespace {
+
+// urdfdom reports through console_bridge, whose handler is global: it is borrowed under a lock and given back.
+class CollectedErrors : public console_bridge::OutputHandler {
+ public:
+  CollectedErrors() : lock_(mutex()) { console_bridge::useOutputHandler(this); }
+  ~CollectedErrors() override { console_bridge::restorePreviousOutputHandler(); }
+  CollectedErrors(const CollectedErrors&) = delete;
+  CollectedErrors& operator=(const CollectedErrors&) = delete;
+
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level == console_bridge::CONSOLE_BRIDGE_LOG_ERROR) messages.push_back(text);
+  }
+
+  std::vector<std::string> messages;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::lock_guard<std::mutex> lock_;
+};
+
+// True of messages about a link that urdfdom keeps all the same, with whatever part of its mass it had understood.
+bool isAboutInertial(const std::string& message) { return message.find("nertial element") != std::string::npos; }
+
+const char* typeName(const urdf::Joint& joint) {
+  switch (joint.type) {
+    case urdf::Joint::FLOATING:
+      return "floating";
+    case urdf::Joint::PLANAR:
+      return "planar";
+    default:
+      return "of unknown type";
+  }
+}
+
+bool isBelow(urdf::LinkConstSharedPtr link, const std::string& ancestor) {
+  while (link && link->name != ancestor) link = link->getParent();
+  return link != nullptr;
+}
+
+}  // namespace
+
+UrdfFile::UrdfFile(const std::filesystem::path& file) : file_(file) {
+  const std::string text = readTextFile(file);
+  if (xml_.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS) {
+    throw FileError(file, xml_.ErrorLineNum(), fmt::format("not valid XML ({}), expected a URDF", xml_.ErrorName()));
+  }
+  CollectedErrors errors;
+  model_ = urdf::parseURDF(text);
+  const bool bad_inertial = std::any_of(errors.messages.begin(), errors.messages.end(), isAboutInertial);
+  if (model_ && !bad_inertial) return;
+  const std::string message = fmt::format("{}", fmt::join(errors.messages, "; "));
+  throw FileError(file, lineNamedIn(message), "not a valid URDF: " + message);
+}
+
+const tinyxml2::XMLElement* UrdfFile::element(const char* tag, const std::string& name) const {
+  const tinyxml2::XMLElement* element = xml_.RootElement()->FirstChildElement(tag);
+  while (element != nullptr && !element->Attribute("name", name.c_str())) element = element->NextSiblingElement(tag);
+  return element;
+}
+
+tinyxml2::XMLElement* UrdfFile::element(const char* tag, const std::string& name) {
+  return const_cast<tinyxml2::XMLElement*>(std::as_const(*this).element(tag, name));
+}
+
+int UrdfFile::lineNamedIn(const std::string& message) const {
+  for (const auto* element = xml_.RootElement()->FirstChildElement(); element != nullptr; element = element->NextSiblingElement()) {
+    const char* name = element->Attribute("name");
+    if (name != nullptr && message.find(fmt::format("[{}]", name)) != std::string::npos) return element->GetLineNum();
+  }
+  return 0;
+}
+
+void UrdfFile::failAtJoint(const urdf::Joint& joint, const std::string& message) const {
+  throw FileError(file_, element("joint", joint.name)->GetLineNum(), fmt::format("joint '{}' {}", joint.name, message));
+}
+
+void UrdfFile::fail(const std::string& message) const { throw FileError(file_, 0, message); }
+
+urdf::LinkConstSharedPtr UrdfFile::link(const std::string& name) const {
+  if (const urdf::LinkConstSharedPtr found = model_->getLink(name)) return found;
+  std::vector<std::string> names;
+  for (const auto& entry : model_->links_) names.push_back(entry.first);
+  fail(fmt::format("link '{}' is not there, expected one of: {}", name, fmt::join(names, ", ")));
+}
+
+std::vector<urdf::JointConstSharedPtr> UrdfFile::chain(const std::string& base_link, const std::string& tip_link) const {
+  const urdf::LinkConstSharedPtr base = link(base_link);
+  const urdf::LinkConstSharedPtr tip = link(tip_link);
+  if (!isBelow(tip, base_link)) {
+    if (isBelow(base, tip_link)) {
+      fail(fmt::format("base link '{}' lies below tip link '{}', expected the base nearer to the root", base_link, tip_link));
+    }
+    fail(fmt::format("no chain leads from link '{}' to link '{}', they are on different branches", base_link, tip_link));
+  }
+  std::vector<urdf::JointConstSharedPtr> joints;
+  for (urdf::LinkConstSharedPtr link = tip; link->name != base_link; link = link->getParent()) joints.push_back(link->parent_joint);
+  std::reverse(joints.begin(), joints.end());
+  for (const urdf::JointConstSharedPtr& joint : joints) {
+    if (joint->mimic) failAtJoint(*joint, fmt::format("mimics '{}', expected a joint of its own", joint->mimic->joint_name));
+    if (!isMoving(*joint) && joint->type != urdf::Joint::FIXED) {
+      failAtJoint(*joint, fmt::format("is {}, expected revolute, continuous, prismatic or fixed", typeName(*joint)));
+    }
+  }
+  if (std::none_of(joints.begin(), joints.end(), [](const auto& joint) { return isMoving(*joint); })) {
+    fail(fmt::format("no moving joint between link '{}' and link '{}', expected at least one", base_link, tip_link));
+  }
+  return joints;
+}
+
+bool isMoving(const urdf::Joint& joint) {
+  return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS || joint.type == urdf::Joint::PRISMATIC;
+}
+
+Eigen::Isometry3d poseOfUrdf(const urdf::Pose& pose) {
+  return poseFromQuaternion({pose.position.x, pose.position.y, pose.position.z},
+                            {pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w});
+}
+
+Arm armOfChain(const UrdfFile& urdf, const std::vector<urdf::JointConstSharedPtr>& chain) {
+  Arm arm;
+  Eigen::Isometry3d T_base_child = Eigen::Isometry3d::Identity();
+  for (const urdf::JointConstSharedPtr& joint : chain) {
+    T_base_child = T_base_child * poseOfUrdf(joint->parent_to_joint_origin_transform);
+    if (!isMoving(*joint)) continue;
+    const Eigen::Vector3d axis(joint->axis.x, joint->axis.y, joint->axis.z);
+    if (axis.isZero(0.0)) urdf.failAtJoint(*joint, "has a zero axis, expected a direction");
+    const Eigen::Vector3d origin = T_base_child.translation();
+    const Eigen::Vector3d axis_base = T_base_child.linear() * axis;
+    arm.joints.push_back(joint->type == urdf::Joint::PRISMATIC ? Joint::prismatic(joint->name, axis_base, origin)
+                                                               : Joint::revolute(joint->name, axis_base, origin));
+    // Lower and upper are 0 where <limit> leaves them out, which is no range at all.
+    const bool has_range = joint->limits && (joint->limits->lower != 0.0 || joint->limits->upper != 0.0);
+    if (joint->type == urdf::Joint::CONTINUOUS || !has_range) continue;
+    if (!(joint->limits->lower < joint->limits->upper)) {
+      urdf.failAtJoint(*joint, fmt::format("has limits {} to {}, expected lower < upper", formatNumber(joint->limits->lower),
+                                           formatNumber(joint->limits->upper)));
+    }
+    arm.joints.back().limits = JointLimits{joint->limits->lower, joint->limits->upper};
+  }
+  arm.gamma = logSe3(T_base_child);
+  return arm;
+}
+
+}  // namespace poecal

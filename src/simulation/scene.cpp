@@ -1,0 +1,180 @@
+#include "poecal/simulation/scene.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "capture/manifest.hpp"
+#include "core/yaml.hpp"
+#include "geometry/pose_yaml.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/random.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/robot/robot_file.hpp"
+#include "simulation/streams.hpp"
+
+namespace poecal {
+namespace {
+
+double notNegative(const YamlNode& node) {
+  const double value = node.number();
+  if (value < 0.0) node.fail(fmt::format("is {}, expected 0 or more", formatNumber(value)));
+  return value;
+}
+
+int atLeast(const YamlNode& node, int smallest) {
+  const int value = node.integer();
+  if (value < smallest) node.fail(fmt::format("is {}, expected {} or more", value, smallest));
+  return value;
+}
+
+std::uint64_t seedOf(const YamlNode& node) { return static_cast<std::uint64_t>(atLeast(node, 0)); }
+
+/// The nominal arm with every axis a little off: normal tilts and shifts in the directions that move it.
+Arm drawErrors(const YamlNode& errors, const Arm& nominal) {
+  errors.checkKeys({"seed", "position", "rotation"});
+  const double position = notNegative(errors["position"]);
+  const double rotation = notNegative(errors["rotation"]);
+  Rng rng(seedOf(errors["seed"]), streamOf(Purpose::kErrors));
+  Eigen::VectorXd beta(twistParameterCount(nominal));
+  Eigen::Index k = 0;
+  for (const Joint& joint : nominal.joints) {
+    // Columns of twistBasis: two tilts, then, for a revolute joint, two shifts.
+    for (int column = 0; column < twistParameterCount(joint); ++column) beta(k++) = (column < 2 ? rotation : position) * rng.normal();
+  }
+  return displaceTwists(nominal, beta);
+}
+
+Arm readActual(const YamlNode& node, const Arm& nominal) {
+  const Arm actual = readRobotYaml(namedFile(node));
+  if (actual.jointCount() != nominal.jointCount()) {
+    node.fail(fmt::format("has {} joints, expected {} as the robot", actual.jointCount(), nominal.jointCount()));
+  }
+  for (std::size_t k = 0; k < nominal.joints.size(); ++k) {
+    if (actual.joints[k].type != nominal.joints[k].type)
+      node.fail(fmt::format("joint {} is of another type, expected that of the robot", k + 1));
+  }
+  return actual;
+}
+
+void readArms(const YamlNode& root, Scene& scene) {
+  const auto robot = readNamedRobot(root);
+  if (!robot) root.fail("key 'robot' is missing, expected the nominal arm");
+  scene.nominal = robot->arm;
+  scene.robot_file = robot->file;
+  scene.base_link = robot->base_link;
+  scene.tip_link = robot->tip_link;
+  scene.actual = scene.nominal;
+  const auto errors = root.find("errors");
+  const auto actual = root.find("actual");
+  if (errors && actual) actual->fail("stands beside errors, expected one of the two");
+  if (errors) scene.actual = drawErrors(*errors, scene.nominal);
+  if (actual) scene.actual = readActual(*actual, scene.nominal);
+}
+
+Registration readRegistration(const YamlNode& root) {
+  Registration registration;
+  if (const auto setup = root.find("setup")) registration.setup = readSetup(*setup);
+  const std::string near_key = fmt::format("T_camera_{}", registration.nearFrame());
+  const std::string far_key = fmt::format("T_{}_target", registration.farFrame());
+  const YamlNode node = root["registration"];
+  node.checkKeys({near_key.c_str(), far_key.c_str()});
+  registration.T_camera_near = readPose(node[near_key.c_str()]);
+  registration.T_far_target = readPose(node[far_key.c_str()]);
+  return registration;
+}
+
+void readSamplesPart(const YamlNode& root, Scene& scene) {
+  const auto samples = root.find("samples");
+  if (!samples) return;
+  if (const auto file = samples->find("file")) {
+    samples->checkKeys({"file", "seed"});
+    scene.samples_file = namedFile(*file);
+  } else {
+    samples->checkKeys({"count", "seed", "repeats"});
+    if (const auto count = samples->find("count")) scene.count = atLeast(*count, 1);
+    if (const auto repeats = samples->find("repeats")) scene.repeats = atLeast(*repeats, 1);
+  }
+  if (const auto seed = samples->find("seed")) scene.seed = seedOf(*seed);
+}
+
+ImageOptions readImage(const YamlNode& node) {
+  node.checkKeys({"blur", "noise", "background"});
+  ImageOptions image;
+  if (const auto blur = node.find("blur")) image.blur = notNegative(*blur);
+  if (const auto noise = node.find("noise")) image.noise = notNegative(*noise);
+  if (const auto background = node.find("background")) image.background = background->text();
+  try {
+    image.validate();
+  } catch (const InvalidArgument& error) {
+    node.fail(error.what());
+  }
+  return image;
+}
+
+/// How the corners reach the capture: pictures (the default) or detections, and pictures of a board for the intrinsics.
+void readOutput(const YamlNode& root, Scene& scene) {
+  const auto image = root.find("image");
+  const auto corners = root.find("corners");
+  if (image && corners) corners->fail("stands beside image, expected one of the two");
+  if (corners) {
+    corners->checkKeys({"sigma"});
+    scene.corner_sigma = notNegative((*corners)["sigma"]);
+  } else {
+    scene.image = image ? readImage(*image) : ImageOptions{};
+    if (scene.target.type == TargetType::kPoints)
+      root["target"].fail("single points cannot be drawn, expected tags, a board, or corners: {sigma: ...}");
+  }
+  if (const auto intrinsics = root.find("intrinsics")) {
+    if (corners) intrinsics->fail("needs pictures, expected no corners: beside it");
+    intrinsics->checkKeys({"target", "count"});
+    const YamlNode target = (*intrinsics)["target"];
+    scene.board = readTarget(namedFile(target));
+    if (scene.board->type == TargetType::kPoints) target.fail("single points cannot be drawn, expected tags or a board");
+    scene.board_count = atLeast((*intrinsics)["count"], 1);
+  }
+}
+
+void refuseEffects(const YamlNode& root) {
+  const auto effects = root.find("effects");
+  if (effects && !effects->items().empty()) effects->fail("effects are not built yet, expected none");
+}
+
+}  // namespace
+
+void ImageOptions::validate() const {
+  const auto check = [](const char* name, double value) {
+    if (!(value >= 0.0) || !std::isfinite(value))
+      throw InvalidArgument(fmt::format("{} is {}, expected 0 or more", name, formatNumber(value)));
+  };
+  check("blur", blur);
+  check("noise", noise);
+  if (background != "clutter" && background != "plain") {
+    throw InvalidArgument(fmt::format("background '{}' is not known, expected clutter or plain", background));
+  }
+}
+
+Scene readScene(const std::filesystem::path& file) {
+  const YamlNode root = YamlNode::load(file);
+  root.checkFormat("poecal-scene/1");
+  root.checkKeys({"format", "name", "setup", "robot", "base_link", "tip_link", "errors", "actual", "camera", "stated", "target",
+                  "stated_target", "registration", "samples", "effects", "image", "corners", "intrinsics"});
+  refuseEffects(root);
+  Scene scene;
+  scene.file = file;
+  scene.name = file.stem().string();
+  if (const auto name = root.find("name")) scene.name = name->text();
+  readArms(root, scene);
+  scene.camera = readCamera(namedFile(root["camera"]));
+  scene.stated_camera = scene.camera;
+  if (const auto stated = root.find("stated")) scene.stated_camera = readCamera(namedFile(*stated));
+  scene.target = readTarget(namedFile(root["target"]));
+  scene.stated_target = scene.target;
+  if (const auto stated = root.find("stated_target")) scene.stated_target = readTarget(namedFile(*stated));
+  scene.registration = readRegistration(root);
+  readSamplesPart(root, scene);
+  readOutput(root, scene);
+  return scene;
+}
+
+}  // namespace poecal

@@ -1,0 +1,186 @@
+#include "poecal/simulation/simulate.hpp"
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/yaml.hpp"
+#include "geometry/pose_yaml.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/parallel.hpp"
+#include "poecal/core/progress.hpp"
+#include "poecal/core/random.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/robot/robot_file.hpp"
+#include "poecal/simulation/renderer.hpp"
+#include "simulation/board_poses.hpp"
+#include "simulation/streams.hpp"
+
+namespace poecal {
+namespace {
+
+/// Everything that the files are made of; nothing is written before all of it is there.
+struct Simulation {
+  const Scene& scene;
+  SampleTable samples;
+  std::vector<ImageCorners> corners;              ///< exact, one entry per sample
+  std::vector<Eigen::Isometry3d> T_camera_board;  ///< of the intrinsics pictures
+};
+
+void requireEmpty(const std::filesystem::path& folder) {
+  if (std::filesystem::exists(folder) && !(std::filesystem::is_directory(folder) && std::filesystem::is_empty(folder))) {
+    throw FileError(folder, 0, "is there already and not empty, expected a new folder");
+  }
+}
+
+/// The folder's name without a slash at its end, so that -truth can follow it.
+std::filesystem::path plainPath(const std::filesystem::path& folder) {
+  const std::filesystem::path normal = folder.lexically_normal();
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
+void writePicture(const std::filesystem::path& file, const cv::Mat& picture) {
+  std::vector<unsigned char> png;
+  cv::imencode(".png", picture, png);
+  writeTextFile(file, std::string(png.begin(), png.end()));
+}
+
+std::string boardPictureName(std::size_t index) { return fmt::format("{:04}.png", index); }
+
+void writePictures(const Simulation& simulation, const std::filesystem::path& folder, int jobs) {
+  const Scene& scene = simulation.scene;
+  Progress progress("pictures", simulation.samples.samples.size());
+  parallelFor(simulation.samples.samples.size(), jobs, [&](std::size_t k) {
+    const Sample& sample = simulation.samples.samples[k];
+    const Eigen::Isometry3d T_camera_target = scene.registration.cameraTarget(forwardKinematics(scene.actual, sample.q));
+    writePicture(folder / sample.image,
+                 renderTarget(scene.camera, scene.target, T_camera_target, *scene.image, scene.seed, streamOf(Purpose::kPicture, k)));
+    progress.advance();
+  });
+}
+
+void writeBoardPictures(const Simulation& simulation, const std::filesystem::path& folder, int jobs) {
+  const Scene& scene = simulation.scene;
+  Progress progress("intrinsics pictures", simulation.T_camera_board.size());
+  parallelFor(simulation.T_camera_board.size(), jobs, [&](std::size_t k) {
+    writePicture(folder / boardPictureName(k), renderTarget(scene.camera, *scene.board, simulation.T_camera_board[k], *scene.image,
+                                                            scene.seed, streamOf(Purpose::kBoardPicture, k)));
+    progress.advance();
+  });
+  writeTextFile(folder / "target.yaml", targetYaml(*scene.board));
+}
+
+/// The exact corners with normal noise on each coordinate.
+Detections noisyCorners(const Simulation& simulation) {
+  Detections detections{simulation.corners};
+  for (std::size_t k = 0; k < detections.images.size(); ++k) {
+    Rng rng(simulation.scene.seed, streamOf(Purpose::kCornerNoise, k));
+    for (Corner& corner : detections.images[k].corners) {
+      const double du = rng.normal();
+      const double dv = rng.normal();
+      corner.px += *simulation.scene.corner_sigma * Eigen::Vector2d(du, dv);
+    }
+  }
+  return detections;
+}
+
+/// A URDF keeps its name; robot.yaml is robot.yaml in every capture.
+std::string robotName(const Scene& scene) { return scene.base_link.empty() ? "robot.yaml" : scene.robot_file.filename().string(); }
+
+std::string captureYaml(const Scene& scene) {
+  std::string text = fmt::format("format: poecal-capture/1\nname: {}\nsetup: {}\nrobot: {}\n", yamlText(scene.name),
+                                 setupName(scene.registration.setup), yamlText(robotName(scene)));
+  if (!scene.base_link.empty()) text += fmt::format("base_link: {}\ntip_link: {}\n", yamlText(scene.base_link), yamlText(scene.tip_link));
+  text += scene.board ? "intrinsics: intrinsics\n" : "camera: camera.yaml\n";
+  text += "target: target.yaml\nsamples: samples.csv\n";
+  if (scene.corner_sigma) text += "detections: detections.csv\n";
+  return text;
+}
+
+void writeCapture(const Simulation& simulation, const std::filesystem::path& folder, int jobs) {
+  const Scene& scene = simulation.scene;
+  if (scene.image) {
+    writePictures(simulation, folder, jobs);
+  } else {
+    writeTextFile(folder / "detections.csv", detectionsCsv(noisyCorners(simulation)));
+  }
+  if (scene.board) {
+    writeBoardPictures(simulation, folder / "intrinsics", jobs);
+  } else {
+    writeTextFile(folder / "camera.yaml", cameraYaml(scene.stated_camera));
+  }
+  writeTextFile(folder / robotName(scene), readTextFile(scene.robot_file));
+  writeTextFile(folder / "target.yaml", targetYaml(scene.stated_target));
+  writeTextFile(folder / "samples.csv", samplesCsv(simulation.samples));
+  writeTextFile(folder / "capture.yaml", captureYaml(scene));
+}
+
+std::string truthYaml(const Scene& scene) {
+  const Registration& registration = scene.registration;
+  std::string text = fmt::format("format: poecal-truth/1\nname: {}\nsetup: {}\n", yamlText(scene.name), setupName(registration.setup));
+  text += fmt::format("registration:\n  T_camera_{}: {}\n  T_{}_target: {}\n", registration.nearFrame(),
+                      yamlPose(registration.T_camera_near), registration.farFrame(), yamlPose(registration.T_far_target));
+  text += fmt::format("seed: {}\neffects: []\n", scene.seed);
+  if (scene.image) {
+    text += fmt::format("image: {{blur: {}, noise: {}, background: {}}}\n", formatNumber(scene.image->blur),
+                        formatNumber(scene.image->noise), scene.image->background);
+  } else {
+    text += fmt::format("corners: {{sigma: {}}}\n", formatNumber(*scene.corner_sigma));
+  }
+  return text;
+}
+
+/// Exact corners of the intrinsics pictures.
+Detections boardCorners(const Simulation& simulation) {
+  const Scene& scene = simulation.scene;
+  Detections detections;
+  for (std::size_t k = 0; k < simulation.T_camera_board.size(); ++k) {
+    Cell cell;
+    cell.camera = scene.camera;
+    cell.registration.T_camera_near = simulation.T_camera_board[k];
+    detections.images.push_back({boardPictureName(k), predictCorners(cell, *scene.board, Eigen::Isometry3d::Identity())});
+  }
+  return detections;
+}
+
+void writeTruth(const Simulation& simulation, const std::filesystem::path& folder) {
+  const Scene& scene = simulation.scene;
+  writeTextFile(folder / "truth.yaml", truthYaml(scene));
+  writeTextFile(folder / "actual.yaml", robotYaml(scene.actual));
+  writeTextFile(folder / "camera.yaml", cameraYaml(scene.camera));
+  writeTextFile(folder / "target.yaml", targetYaml(scene.target));
+  writeTextFile(folder / "corners.csv", detectionsCsv({simulation.corners}));
+  writeTextFile(folder / "samples.csv", samplesCsv(simulation.samples));
+  if (scene.board) writeTextFile(folder / "intrinsics_corners.csv", detectionsCsv(boardCorners(simulation)));
+}
+
+SimulateSummary summaryOf(const Simulation& simulation) {
+  SimulateSummary summary;
+  summary.poses = poseGroups(simulation.samples.samples).size();
+  summary.samples = simulation.samples.samples.size();
+  for (const ImageCorners& image : simulation.corners) {
+    summary.corners += image.corners.size();
+    summary.without_target += image.corners.empty() ? 1 : 0;
+  }
+  summary.pictures = simulation.scene.image.has_value();
+  summary.boards = simulation.T_camera_board.size();
+  return summary;
+}
+
+}  // namespace
+
+SimulateSummary simulate(const Scene& scene, const std::filesystem::path& capture, const SimulateOptions& options) {
+  const std::filesystem::path folder = plainPath(capture);
+  const std::filesystem::path truth = folder.string() + "-truth";
+  requireEmpty(folder);
+  requireEmpty(truth);
+  Simulation simulation{.scene = scene, .samples = drawSamples(scene), .corners = {}, .T_camera_board = {}};
+  simulation.corners = trueCorners(scene, simulation.samples);
+  if (scene.board) simulation.T_camera_board = drawBoardPoses(scene.camera, *scene.board, scene.board_count, scene.seed);
+  writeTruth(simulation, truth);
+  writeCapture(simulation, folder, options.jobs);
+  SimulateSummary summary = summaryOf(simulation);
+  summary.truth = truth;
+  return summary;
+}
+
+}  // namespace poecal

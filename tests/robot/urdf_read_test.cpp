@@ -1,0 +1,172 @@
+#include <locale>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "poecal/core/error.hpp"
+#include "poecal/robot/robot_file.hpp"
+#include "robot/urdf_examples.hpp"
+#include "support/kdl_chain.hpp"
+#include "support/matchers.hpp"
+#include "support/random.hpp"
+#include "support/temp_folder.hpp"
+
+namespace poecal {
+namespace {
+
+using test::kScara;
+using test::kSevenJoints;
+using test::kSixJoints;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Property;
+using ::testing::Throws;
+
+constexpr double kRounding = 1e-13;  // ten poses of a metre multiplied
+
+class ReadUrdf : public ::testing::TestWithParam<test::UrdfExample> {};
+
+TEST_P(ReadUrdf, HasTheForwardKinematicsOfKdl) {
+  Rng rng = test::rngOfThisTest();
+  const test::UrdfExample& example = GetParam();
+  const Arm arm = readUrdf(example.file(), example.base_link, example.tip_link);
+  const KDL::Chain chain = test::kdlChain(example.text(), example.base_link, example.tip_link);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Eigen::VectorXd q = test::uniformVector(rng, arm.jointCount(), 3.0);
+    EXPECT_THAT(forwardKinematics(arm, q), test::PoseIsNear(test::kdlForwardKinematics(chain, q), kRounding)) << "trial " << trial;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Urdf, ReadUrdf, ::testing::Values(kSixJoints, kSevenJoints, kScara),
+                         [](const auto& example) { return std::string(example.param.name); });
+
+TEST(Urdf, ChainMayEndInsideTheTree) {
+  Rng rng = test::rngOfThisTest();
+  const Arm arm = readUrdf(kSixJoints.file(), "shoulder", "wrist_1_link");
+  EXPECT_EQ(arm.jointCount(), 3);
+  const KDL::Chain chain = test::kdlChain(kSixJoints.text(), "shoulder", "wrist_1_link");
+  const Eigen::VectorXd q = test::uniformVector(rng, 3, 3.0);
+  EXPECT_THAT(forwardKinematics(arm, q), test::PoseIsNear(test::kdlForwardKinematics(chain, q), kRounding));
+}
+
+TEST(Urdf, JointsKeepNameTypeOriginAndLimits) {
+  const Arm arm = readUrdf(kScara.file(), "base", "quill");
+  EXPECT_EQ(arm.name, "scara");
+  ASSERT_EQ(arm.jointCount(), 4);
+  EXPECT_EQ(arm.joints[1].name, "elbow");
+  EXPECT_EQ(arm.joints[1].type, JointType::kRevolute);
+  EXPECT_THAT(arm.joints[1].anchor, test::IsNear(Eigen::Vector3d(0.35, 0, 0.2), kRounding));
+  ASSERT_TRUE(arm.joints[1].limits.has_value());
+  EXPECT_EQ(arm.joints[1].limits->lower, -2.5);
+  EXPECT_EQ(arm.joints[1].limits->upper, 2.5);
+  EXPECT_FALSE(arm.joints[2].limits.has_value()) << "continuous";
+  EXPECT_EQ(arm.joints[3].type, JointType::kPrismatic);
+  EXPECT_THAT(arm.joints[3].axis(), test::IsNear(Eigen::Vector3d(0, 0, -1), kRounding));
+  EXPECT_EQ(arm.joints[3].limits->upper, 0.2);
+  EXPECT_TRUE(arm.links.empty());
+}
+
+TEST(Urdf, LimitWithoutARangeIsNone) {
+  const Arm arm = readUrdf(kSixJoints.file(), "base_link", "tool0");
+  EXPECT_FALSE(arm.joints[3].limits.has_value());
+}
+
+TEST(Urdf, MassesGoToTheJointThatCarriesThem) {
+  const Arm arm = readUrdf(kSixJoints.file(), "base_link", "tool0");
+  ASSERT_EQ(arm.links.size(), 6u);
+  const KDL::Chain chain = test::kdlChain(kSixJoints.text(), "base_link", "elbow_bracket");
+  const Eigen::Isometry3d T_base_bracket = test::kdlForwardKinematics(chain, Eigen::VectorXd::Zero(2));
+  // The plate (40 kg) stands still; the bracket is fixed to the body of joint 2; the finger slides on that of joint 6.
+  EXPECT_EQ(arm.links[0].mass, 3.7);
+  EXPECT_THAT(arm.links[0].com, test::IsNear(Eigen::Vector3d(0, 0, 0.02 + 0.0892 + 0.01), kRounding));
+  EXPECT_EQ(arm.links[1].mass, 2.0);
+  EXPECT_THAT(arm.links[1].com, test::IsNear(Eigen::Vector3d(T_base_bracket * Eigen::Vector3d(0.1, 0, 0)), kRounding));
+  EXPECT_EQ(arm.links[2].mass, 0.0);
+  EXPECT_EQ(arm.links[5].mass, 0.5);
+  EXPECT_THAT(arm.links[5].com, test::IsNear(Eigen::Vector3d(expSe3(arm.gamma) * Eigen::Vector3d(0, 0, 0.15)), kRounding));
+}
+
+TEST(Urdf, NumbersDoNotDependOnTheLocale) {
+  struct DecimalComma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+  };
+  const Arm expected = readUrdf(kSixJoints.file(), "base_link", "tool0");
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
+  const Arm arm = readUrdf(kSixJoints.file(), "base_link", "tool0");
+  const std::string corrected = correctedUrdf(kSixJoints.file(), "base_link", "tool0", displaceTwists(arm, Eigen::VectorXd::Constant(24, 1e-3)));
+  std::locale::global(before);
+  EXPECT_EQ(arm.gamma, expected.gamma);
+  EXPECT_EQ(arm.joints[0].limits->upper, 6.28);
+  EXPECT_EQ(corrected.find(','), kSixJoints.text().find(",")) << "no comma but those of the file";
+}
+
+TEST(Urdf, EndsAreTheRootAndTheLinksWithoutJoints) {
+  const UrdfEnds ends = urdfEnds(kSixJoints.file());
+  EXPECT_EQ(ends.root, "base_link");
+  EXPECT_THAT(ends.leaves, ::testing::ElementsAre("finger", "other_finger"));
+}
+
+// One joint per line, so that a message can be held to its line.
+constexpr char kSmall[] = R"(<robot name="small">
+<link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+<joint name="turn" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="slide" type="prismatic"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="weld" type="fixed"><parent link="b"/><child link="d"/></joint>
+</robot>
+)";
+
+struct BadUrdf {
+  const char* what;
+  const char* old_text;
+  const char* new_text;
+  const char* base_link;
+  const char* tip_link;
+  const char* message;
+};
+
+const BadUrdf kBadUrdfs[] = {
+    {"Xml", "</robot>", "", "a", "c", "small.urdf:1: not valid XML"},
+    {"NotAUrdf", kSmall, "<sdf/>", "a", "c", "small.urdf: not a valid URDF: Could not find the 'robot' element"},
+    {"Number", "<joint name=\"slide\" type=\"prismatic\">", "<joint name=\"slide\" type=\"prismatic\"><origin xyz=\"0 0 1,5\"/>", "a", "c",
+     "small.urdf:4: not a valid URDF: Unable to parse component [1,5] to a double"},
+    {"Loose", "link=\"c\"", "link=\"x\"", "a", "b", "small.urdf:4: not a valid URDF: "},
+    {"Inertial", "<link name=\"d\"/>", "\n<link name=\"d\"><inertial><mass value=\"1\"/></inertial></link>", "a", "c",
+     "small.urdf:3: not a valid URDF: Inertial element must have inertia element"},
+    {"NoBase", "", "", "base", "c", "small.urdf: link 'base' is not there, expected one of: a, b, c, d"},
+    {"NoTip", "", "", "a", "tool0", "small.urdf: link 'tool0' is not there, expected one of: a, b, c, d"},
+    {"UpsideDown", "", "", "c", "a", "small.urdf: base link 'c' lies below tip link 'a'"},
+    {"Branches", "", "", "c", "d", "small.urdf: no chain leads from link 'c' to link 'd', they are on different branches"},
+    {"NoJoint", "", "", "a", "a", "small.urdf: no moving joint between link 'a' and link 'a'"},
+    {"OnlyFixed", "", "", "b", "d", "small.urdf: no moving joint between link 'b' and link 'd'"},
+    {"Floating", "prismatic", "floating", "a", "c", "small.urdf:4: joint 'slide' is floating, expected revolute"},
+    {"Planar", "prismatic", "planar", "a", "c", "small.urdf:4: joint 'slide' is planar, expected revolute"},
+    {"Mimic", "<child link=\"c\"/>", "<child link=\"c\"/><mimic joint=\"turn\"/>", "a", "c", "small.urdf:4: joint 'slide' mimics 'turn'"},
+    {"Axis", "<child link=\"c\"/><axis xyz=\"0 0 1\"/>", "<child link=\"c\"/><axis xyz=\"0 0 0\"/>", "a", "c",
+     "small.urdf:4: joint 'slide' has a zero axis, expected a direction"},
+    {"Limits", "lower=\"-1\"", "lower=\"2\"", "a", "c", "small.urdf:3: joint 'turn' has limits 2.0 to 1.0, expected lower < upper"},
+};
+
+class BadUrdfFile : public ::testing::TestWithParam<BadUrdf> {};
+
+TEST_P(BadUrdfFile, IsRefusedOnceAndQuietly) {
+  const test::TempFolder folder;
+  const BadUrdf& bad = GetParam();
+  std::string text = kSmall;
+  text.replace(text.find(bad.old_text), std::string(bad.old_text).size(), bad.new_text);
+  const auto file = folder.write("small.urdf", text);
+  ::testing::internal::CaptureStderr();
+  EXPECT_THAT([&] { readUrdf(file, bad.base_link, bad.tip_link); }, Throws<FileError>(Property(&FileError::what, HasSubstr(bad.message))));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Urdf, BadUrdfFile, ::testing::ValuesIn(kBadUrdfs), [](const auto& bad) { return std::string(bad.param.what); });
+
+TEST(Urdf, FloatingAndMimicJointsElsewhereDoNotMatter) {
+  const test::TempFolder folder;
+  std::string text = kSmall;
+  text.replace(text.find("prismatic"), 9, "floating");
+  EXPECT_EQ(readUrdf(folder.write("small.urdf", text), "a", "d").jointCount(), 1);
+}
+
+}  // namespace
+}  // namespace poecal
