@@ -34,6 +34,7 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 constexpr Command kCommands[] = {
     {"run", "the main job: intrinsics where asked for, detect, measure, identify", setUpRun},
     {"intrinsics", "camera intrinsics from pictures of a board", setUpIntrinsics},
+    {"detect", "the target in every picture", setUpDetect},
     {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
     {"identify", "the arm's twists and home pose", setUpIdentify},
     {"predict", "the corners or flange poses that a model expects", setUpPredict},
