@@ -32,7 +32,11 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 }
 
 constexpr Command kCommands[] = {
+    {"run", "the main job: intrinsics where asked for, detect, measure, identify", setUpRun},
     {"intrinsics", "camera intrinsics from pictures of a board", setUpIntrinsics},
+    {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
+    {"identify", "the arm's twists and home pose", setUpIdentify},
+    {"predict", "the corners or flange poses that a model expects", setUpPredict},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
     {"diagnose", "where the gap lies, which effect causes it, how far it shrinks (not built yet)", setUpNotBuilt},
     {"report", "one self-contained page (not built yet)", setUpNotBuilt},

@@ -1,0 +1,41 @@
+// poecal identify: the arm's twists and home pose from a capture, or from poses of any instrument.
+#include <CLI/CLI.hpp>
+
+#include "commands.hpp"
+#include "identifying.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/robot/robot_file.hpp"
+
+namespace poecal::app {
+
+std::function<int()> setUpIdentify(CLI::App& app, const Common& common) {
+  struct Options {
+    std::filesystem::path capture, robot, poses, out;
+    std::string base_link, tip_link;
+    IdentifyOptions identify;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::Option* capture = app.add_option("CAPTURE", options->capture, "Capture folder");
+  CLI::Option* robot = app.add_option("--robot", options->robot, "robot.yaml or URDF, with --poses instead of a capture")->excludes(capture);
+  CLI::Option* poses = app.add_option("--poses", options->poses, "poses.csv: joints and T_instrument_tool")->needs(robot)->excludes(capture);
+  robot->needs(poses);
+  app.add_option("--base-link", options->base_link, "Base link, where the robot is a URDF")->needs(robot);
+  app.add_option("--tip-link", options->tip_link, "Tip link, where the robot is a URDF")->needs(robot);
+  app.add_flag("--registered", options->identify.registered, "The poses are T_base_flange already")->needs(poses);
+  app.add_option("--out", options->out, "Folder for model.yaml and identification.json")->required();
+  addIdentifyOptions(app, options->identify);
+  return [options, &common] {
+    if (options->capture.empty() && options->poses.empty()) throw InvalidArgument("identify needs a CAPTURE, or --robot and --poses");
+    Identifying result;
+    if (!options->capture.empty()) {
+      result = identifyCapture(loadCapture(options->capture, options->out, common), options->identify, options->out);
+    } else {
+      const Arm arm = readArm(options->robot, options->base_link, options->tip_link);
+      result = identifyPoses(arm, readPoses(options->poses, arm), options->identify, options->out);
+    }
+    printSummary(common, result.text, result.json);
+    return 0;
+  };
+}
+
+}  // namespace poecal::app

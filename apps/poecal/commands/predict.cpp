@@ -1,0 +1,76 @@
+// poecal predict: what a model expects for joints: corners, or flange poses.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "poecal/capture/capture.hpp"
+#include "poecal/capture/detections.hpp"
+#include "poecal/cell/cell.hpp"
+#include "poecal/core/csv.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/identification/model.hpp"
+
+namespace poecal::app {
+namespace {
+
+std::string posesCsv(const Model& model, const std::vector<Sample>& samples) {
+  std::vector<std::string> header;
+  const bool images = !samples.empty() && !samples.front().image.empty();
+  if (images) header.emplace_back("image");
+  for (int k = 1; k <= model.cell.arm->jointCount(); ++k) header.push_back(fmt::format("q{}", k));
+  for (const char* name : {"x", "y", "z", "qx", "qy", "qz", "qw"}) header.emplace_back(name);
+  CsvWriter csv(header);
+  for (const Sample& sample : samples) {
+    const Eigen::Isometry3d T_base_flange = model.cell.baseFlange(sample);
+    if (images) csv.cell(sample.image);
+    for (const double q : sample.q) csv.cell(q);
+    for (const double t : T_base_flange.translation()) csv.cell(t);
+    const Eigen::Vector4d quaternion = quaternionXyzw(T_base_flange);
+    for (const double c : quaternion) csv.cell(c);
+    csv.endRow();
+  }
+  return csv.str();
+}
+
+std::string cornersCsv(const Model& model, const std::vector<Sample>& samples) {
+  if (!model.cell.camera || !model.target) throw InvalidArgument("this model has no camera and target: only --poses can be predicted");
+  Detections detections;
+  for (const Sample& sample : samples) {
+    detections.images.push_back({sample.image, predictCorners(model.cell, *model.target, model.cell.baseFlange(sample))});
+  }
+  return detectionsCsv(detections);
+}
+
+}  // namespace
+
+std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
+  struct Options {
+    std::filesystem::path capture, model, joints, out;
+    bool poses = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::Option* capture = app.add_option("CAPTURE", options->capture, "Capture folder, for its samples");
+  app.add_option("--joints", options->joints, "A table with q1, q2, ... (and image, for corners) instead of a capture")->excludes(capture);
+  app.add_option("--model", options->model, "model.yaml")->required();
+  app.add_option("--out", options->out, "The table to write")->required();
+  app.add_flag("--poses", options->poses, "Flange poses T_base_flange instead of corners");
+  return [options, &common] {
+    if (options->capture.empty() == options->joints.empty()) throw InvalidArgument("predict needs a CAPTURE or --joints");
+    const Model model = readModel(options->model);
+    const std::vector<Sample> samples = options->joints.empty() ? readCapture(options->capture).table.samples : readJoints(options->joints, *model.cell.arm);
+    for (const Sample& sample : samples) {
+      if (sample.q.size() != model.cell.arm->jointCount()) {
+        throw InsufficientData(fmt::format("the samples have {} joint readings, the model has {} joints", sample.q.size(), model.cell.arm->jointCount()));
+      }
+    }
+    const bool poses = options->poses || !options->joints.empty();
+    writeTextFile(options->out, poses ? posesCsv(model, samples) : cornersCsv(model, samples));
+    printSummary(common, fmt::format("predicted {} for {} samples: {}\n", poses ? "flange poses" : "corners", samples.size(), options->out.string()),
+                 {{"samples", samples.size()}, {"out", options->out.string()}});
+    return 0;
+  };
+}
+
+}  // namespace poecal::app

@@ -1,0 +1,79 @@
+#include "inputs.hpp"
+
+#include <fmt/format.h>
+
+#include "board_folder.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/detection/detector.hpp"
+#include "stage.hpp"
+
+namespace poecal::app {
+namespace {
+
+Camera cameraOf(const Capture& capture, const std::filesystem::path& out, const Common& common) {
+  if (capture.camera) return *capture.camera;
+  const std::filesystem::path file = out / "camera.yaml";
+  InputKey key;
+  key.addFile(capture.intrinsics_folder / "target.yaml");
+  for (const std::string& picture : listPictures(capture.intrinsics_folder)) key.addFile(capture.intrinsics_folder / picture);
+  const Stage stage(out, "intrinsics", {file}, key);
+  if (!stage.upToDate()) {
+    const BoardFolderResult result = calibrateBoardFolder(capture.intrinsics_folder, {}, common);
+    writeBoardFolderResult(result, file);
+    stage.markDone();
+  }
+  return readCamera(file);
+}
+
+Detections detectionsOf(const Capture& capture, const Camera& camera, const std::filesystem::path& out, const Common& common) {
+  if (!capture.detections_file.empty()) return readDetections(capture.detections_file, capture.target);
+  const std::filesystem::path file = out / "detections.csv";
+  std::vector<std::string> images;
+  InputKey key;
+  key.add(targetYaml(capture.target)).add(fmt::format("{}x{}", camera.width, camera.height));
+  for (const Sample& sample : capture.table.samples) {
+    images.push_back(sample.image);
+    key.add(sample.image).addFile(capture.folder / sample.image);
+  }
+  const Stage stage(out, "detect", {file}, key);
+  if (!stage.upToDate()) {
+    DetectOptions options;
+    options.jobs = common.jobs;
+    options.expected_width = camera.width;
+    options.expected_height = camera.height;
+    const DetectResult result = detect(capture.folder, images, capture.target, options);
+    std::vector<std::string> notes;
+    for (const PictureNote& note : result.notes) notes.push_back(note.image + ": " + note.message);
+    warnAll(notes);
+    writeTextFile(file, detectionsCsv(result.detections));
+    stage.markDone();
+  }
+  return readDetections(file, capture.target);
+}
+
+}  // namespace
+
+void warnAll(const std::vector<std::string>& messages) {
+  constexpr std::size_t kShown = 20;
+  for (std::size_t k = 0; k < std::min(kShown, messages.size()); ++k) warn(messages[k]);
+  if (messages.size() > kShown) warn(fmt::format("and {} more of this kind", messages.size() - kShown));
+}
+
+CaptureInputs loadCapture(const std::filesystem::path& folder, const std::filesystem::path& out, const Common& common) {
+  CaptureInputs inputs;
+  inputs.capture = readCapture(folder);
+  const Capture& capture = inputs.capture;
+  inputs.camera = cameraOf(capture, out, common);
+  inputs.detections = detectionsOf(capture, inputs.camera, out, common);
+  if (capture.table.has_joints) inputs.cell.arm = capture.arm;
+  inputs.cell.camera = inputs.camera;
+  inputs.cell.registration.setup = capture.setup;
+  inputs.observations = cornerObservations(capture.table, inputs.detections, capture.target);
+  if (inputs.observations.empty()) {
+    throw InsufficientData(fmt::format("the target was found in none of the {} pictures", capture.table.samples.size()));
+  }
+  return inputs;
+}
+
+}  // namespace poecal::app

@@ -1,0 +1,30 @@
+// What several commands load alike: a capture with its camera and corners, made on the way where the capture asks for it.
+#pragma once
+
+#include <filesystem>
+
+#include "command.hpp"
+#include "poecal/capture/capture.hpp"
+#include "poecal/capture/detections.hpp"
+#include "poecal/cell/cell.hpp"
+#include "poecal/cell/observation.hpp"
+
+namespace poecal::app {
+
+/// A capture ready for measuring.
+struct CaptureInputs {
+  Capture capture;
+  Camera camera;
+  Detections detections;
+  Cell cell;  ///< arm only where there are joint readings
+  std::vector<Observation> observations;
+};
+
+/// Reads a capture. Intrinsics are found from their pictures where it names a folder of them (OUT/camera.yaml), corners where it names no
+/// detections.csv (OUT/detections.csv); what stands in OUT from the same inputs is not done again.
+CaptureInputs loadCapture(const std::filesystem::path& folder, const std::filesystem::path& out, const Common& common);
+
+/// Prints the first few of many warnings and how many more there are.
+void warnAll(const std::vector<std::string>& messages);
+
+}  // namespace poecal::app

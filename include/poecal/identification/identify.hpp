@@ -1,0 +1,106 @@
+// Identification of the arm: gao, weighted and bundle behind one pair of options and result.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "poecal/cell/adjustment.hpp"
+#include "poecal/identification/errors.hpp"
+#include "poecal/identification/model.hpp"
+#include "poecal/registration/registration.hpp"
+
+namespace poecal {
+
+/// gao: the algorithm of Gao, Wang and Jiang (2013) on measured flange poses, unweighted.
+/// weighted: the same unknowns, each pose weighted by its covariance.
+/// bundle: the measurements themselves (corners, or poses of an instrument), with both transforms around the arm free.
+enum class Method { kGao, kWeighted, kBundle };
+const char* methodName(Method method);
+/// @throws InvalidArgument for another name.
+Method methodFromName(const std::string& name);
+
+/// Whether `bundle` may move the camera: never; always; or where the camera file states standard deviations (they are the prior) and,
+/// where it states none, if the poses that the fit did not see are then clearly better predicted.
+enum class CameraChoice { kStated, kFree, kAuto };
+
+struct IdentifyOptions {
+  Method method = Method::kBundle;
+  double tolerance_position = 1e-3;  ///< 1 sigma prior of an axis' place about the nominal [m]; 0: none
+  double tolerance_rotation = 3e-3;  ///< 1 sigma prior of an axis' tilt [rad]; 0: none
+  CameraChoice camera = CameraChoice::kAuto;
+  bool robust = true;
+  /// Every how-manieth pose is held out to judge the fit; 0: none. The model itself is then fitted to all poses.
+  int hold_out_every = 5;
+  /// Each pose is held out in turn instead. Done by itself where there are at most 25 poses.
+  bool leave_one_out = false;
+  bool registered = false;     ///< poses are T_base_flange already: both transforms are identity
+  /// Whether poses of an instrument came with their deviations; otherwise those of position and rotation are estimated.
+  bool pose_sigmas_stated = false;
+  bool allow_still_joints = false;  ///< a joint that never moved keeps its nominal axis instead of being an error
+  void validate() const;
+};
+
+/// A row that the model contradicts.
+struct SuspectRow {
+  std::size_t sample = 0;
+  double residual = 0.0;   ///< rms of its corners [px]; for poses the distance [m]
+  double sigmas = 0.0;     ///< largest residual of a unit in standard deviations of the fit
+  bool left_out = false;   ///< most of it had no weight
+};
+
+/// One rung of the ladder: the nominal arm with a closed-form registration, registered, identified.
+struct Stage {
+  std::string name;
+  ErrorSummary calibration;
+  ErrorSummary held_out;
+};
+
+struct Identification {
+  Method method = Method::kBundle;
+  Model model;
+  Arm nominal;
+  std::vector<AdjustmentStep> steps;  ///< of the final fit
+  std::vector<double> gao_residuals;  ///< RMS of y before each step, rad and m mixed as the paper has it; gao only
+  AdjustmentStatus status = AdjustmentStatus::kNotRun;
+  std::vector<Stage> stages;
+  std::vector<SuspectRow> suspects;
+  int poses = 0;           ///< observations used
+  int held_out_poses = 0;  ///< of these, held out in turn or in one set
+  bool leave_one_out = false;
+  // Noise and fit
+  double scale = 0.0;               ///< of the stated sigmas; the sigma itself [px] where corners state none
+  double sigma_position = 0.0;      ///< estimated, per axis [m]; poses only
+  double sigma_rotation = 0.0;      ///< estimated, per axis [rad]; poses only
+  double reduced_chi_square = 0.0;  ///< at the stated sigmas
+  double degrees_of_freedom = 0.0;
+  // Observability
+  std::vector<std::string> parameter_names;
+  Eigen::VectorXd parameter_deviation;  ///< standard deviations
+  std::vector<double> prior_share;      ///< share of each parameter's variance reduction that is owed to its prior, 0..1
+  int rank = 0;
+  double condition_number = 0.0;
+  std::vector<std::string> unseen;
+  std::vector<std::string> gauge;       ///< what no data of this kind can tell, by name, and how it was fixed
+  bool camera_refitted = false;
+  std::vector<std::string> warnings;
+  // To predict uncertainty
+  Adjustment adjustment;      ///< of the final fit (weighted, bundle)
+  FreeParameters free;
+  Cell start;                 ///< what the priors are about
+};
+
+/// Identifies the arm of `cell` from observations (corners of a capture, or poses of an instrument).
+///
+/// @param cell  arm, setup, and camera where observations are corners. Its registration is ignored unless options.registered.
+/// @param groups  indices of observations that are held out together (repeat shots of one pose).
+/// @throws InsufficientData: too few poses for the unknowns, a joint that never moved, no registration.
+Identification identify(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
+                        const IdentifyOptions& options);
+
+/// Groups of observations by the `pose` column of their samples.
+std::vector<std::vector<std::size_t>> observationGroups(const std::vector<Observation>& observations, const std::vector<Sample>& samples);
+
+/// identification.json.
+std::string identificationJson(const Identification& identification, const std::vector<Sample>& samples);
+
+}  // namespace poecal

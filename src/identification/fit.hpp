@@ -1,0 +1,42 @@
+// One fit of one method to one set of observations; folds and reports are built on it.
+#pragma once
+
+#include <vector>
+
+#include "poecal/identification/identify.hpp"
+
+namespace poecal {
+
+/// What a fit gives, whatever the method.
+struct MethodFit {
+  Cell cell;       ///< of the observations: arm calibrated, registration, camera
+  Cell start;      ///< of the adjustment: what its priors are about
+  FreeParameters free;
+  Adjustment adjustment;  ///< weighted, bundle
+  std::vector<double> gao_residuals;
+  Eigen::MatrixXd covariance;  ///< of `parameter_names`
+  std::vector<std::string> parameter_names;
+  std::vector<Vector6d> twist_deviation;
+  std::optional<Vector6d> gamma_deviation;
+  bool converged = false;
+};
+
+/// What `weighted` and `gao` fit: measured flange poses, one per observation that has one. Empty for `bundle`.
+struct FlangePoses {
+  std::vector<Observation> observations;  ///< pose observations in a cell whose transforms are identity
+};
+
+/// Measured flange poses of observations in a registered cell. @param registration  of corners: their free poses; nullptr for pose observations.
+FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& observations, const std::vector<RegisteredSample>* samples);
+
+/// @param registered  nominal arm with a registration. @param subset  indices into observations (and flange poses).
+/// @param camera_free  bundle only. @param warm  a fit to start from (not what priors are about), or nullptr.
+MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange, const std::vector<std::size_t>& subset,
+                    const IdentifyOptions& options, bool camera_free);
+
+/// Prior of the camera's parameters: its stated standard deviations, or, where it states none, widths that only keep a short capture from
+/// absurd lenses: 3 % of the focal length, 3 % of the width, and 0.5 for distortion coefficients (0.02 for tangential ones).
+Eigen::VectorXd cameraPrior(const Camera& camera);
+bool statesDeviations(const Camera& camera);
+
+}  // namespace poecal

@@ -1,0 +1,435 @@
+#include "poecal/identification/identify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "identification/fit.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/statistics.hpp"
+#include "poecal/registration/target_pose.hpp"
+
+namespace poecal {
+namespace {
+
+// Up to here every pose is worth more as a judge of its own than as one fifth of a set.
+constexpr std::size_t kFewPoses = 25;
+
+struct Fold {
+  std::vector<std::size_t> train, test;
+};
+
+std::vector<Fold> makeFolds(const std::vector<std::vector<std::size_t>>& groups, const IdentifyOptions& options, bool leave_one_out) {
+  std::vector<Fold> folds;
+  if (!leave_one_out && options.hold_out_every <= 0) return folds;
+  const std::size_t every = static_cast<std::size_t>(std::max(1, options.hold_out_every));
+  const std::size_t count = leave_one_out ? groups.size() : 1;
+  for (std::size_t fold = 0; fold < count; ++fold) {
+    Fold split;
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      const bool held_out = leave_one_out ? k == fold : k % every == every - 1;
+      std::vector<std::size_t>& side = held_out ? split.test : split.train;
+      side.insert(side.end(), groups[k].begin(), groups[k].end());
+    }
+    std::sort(split.train.begin(), split.train.end());
+    std::sort(split.test.begin(), split.test.end());
+    if (!split.test.empty()) folds.push_back(std::move(split));
+  }
+  return folds;
+}
+
+void requireMovingJoints(const Arm& arm, const std::vector<Observation>& observations, bool allowed, std::vector<std::string>& warnings) {
+  for (int k = 0; k < arm.jointCount(); ++k) {
+    double lower = observations.front().q(k), upper = lower;
+    for (const Observation& observation : observations) {
+      lower = std::min(lower, observation.q(k));
+      upper = std::max(upper, observation.q(k));
+    }
+    if (upper - lower > 1e-4) continue;
+    const std::string message = fmt::format("joint {} ({}) never moved: q{} is {:.6g} in every row", k + 1,
+                                            arm.joints[static_cast<std::size_t>(k)].name, k + 1, lower);
+    if (!allowed) throw InsufficientData(message + ", so that its axis cannot be identified (--allow-still-joints keeps the nominal one)");
+    warnings.push_back(message + "; its axis stays nominal");
+  }
+}
+
+void requireEnoughPoses(const Arm& arm, std::size_t poses, bool position_only) {
+  const int unknowns = twistParameterCount(arm) + 6;
+  const int per_pose = position_only ? 3 : 6;
+  if (static_cast<int>(poses) * per_pose < unknowns + per_pose) {
+    throw InsufficientData(fmt::format("{} poses give {} numbers for the {} unknowns of this arm: take at least {} poses", poses,
+                                       static_cast<int>(poses) * per_pose, unknowns, unknowns / per_pose + 2));
+  }
+}
+
+/// Everything that one choice of camera gives: the final fit, and how folds judged it.
+struct Judged {
+  MethodFit fit;
+  std::vector<Stage> stages;
+  std::vector<double> held_out_squares;  ///< per held-out observation, in the order of `held_out`
+  std::vector<std::size_t> held_out;
+};
+
+class Identifier {
+ public:
+  Identifier(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
+             const IdentifyOptions& options)
+      : cell_(cell), observations_(observations), groups_(groups), options_(options) {}
+
+  Identification run() {
+    result_.method = options_.method;
+    result_.nominal = *cell_.arm;
+    result_.poses = static_cast<int>(observations_.size());
+    if (observations_.empty()) throw InsufficientData("nothing was measured: no pose to identify the arm from");
+    corners_ = !observations_.front().pose;
+    requireEnoughPoses(*cell_.arm, groups_.size(), !corners_ && observations_.front().pose->position_only);
+    requireMovingJoints(*cell_.arm, observations_, options_.allow_still_joints, result_.warnings);
+    registerAll();
+    if (!corners_ && !options_.pose_sigmas_stated && !observations_.front().pose->position_only) estimatePoseSigmas();
+    result_.leave_one_out = options_.leave_one_out || (options_.hold_out_every > 0 && groups_.size() <= kFewPoses);
+    folds_ = makeFolds(groups_, options_, result_.leave_one_out);
+    Judged judged = chooseCamera();
+    report(std::move(judged));
+    return std::move(result_);
+  }
+
+ private:
+  void registerAll() {
+    registered_ = cell_;
+    if (options_.registered) {
+      closed_form_ = registered_.registration = Registration{};
+    } else if (corners_) {
+      RegistrationResult registration = registerCell(cell_, observations_, {.robust = options_.robust});
+      registered_ = registration.cell;
+      closed_form_ = registration.closed_form;
+      samples_ = std::move(registration.samples);
+      registration_deviation_ = registration.adjustment.covariance.diagonal().cwiseSqrt();
+      for (const std::string& warning : registration.warnings) result_.warnings.push_back(warning);
+    } else {
+      const Adjustment registration = registerPoses(cell_, observations_, options_.robust);
+      registered_ = registration.cell;
+      closed_form_ = registered_.registration;
+      registration_deviation_ = registration.covariance.diagonal().cwiseSqrt();
+    }
+    prepareFlangePoses();
+  }
+
+  void prepareFlangePoses() {
+    if (options_.method != Method::kBundle) flange_ = flangePoses(registered_, observations_, corners_ ? &samples_ : nullptr);
+  }
+
+  /// An instrument that states no deviations: those of rotation and position from the residuals, by turns with the fit.
+  void estimatePoseSigmas() {
+    std::vector<std::size_t> all(observations_.size());
+    std::iota(all.begin(), all.end(), 0);
+    IdentifyOptions plain = options_;
+    plain.method = Method::kBundle;
+    double sigma_rotation = 0.0, sigma_position = 0.0;
+    for (int round = 0; round < 20; ++round) {
+      const MethodFit fit = fitMethod(registered_, observations_, flange_, all, plain, false);
+      std::vector<double> rotations, positions;
+      for (const Observation& observation : observations_) {
+        const Eigen::VectorXd e = residuals(fit.cell, observation).front().residual;
+        rotations.push_back(e.head<3>().squaredNorm());
+        positions.push_back(e.tail<3>().squaredNorm());
+      }
+      // The fit takes its unknowns out of the residuals: half from rotations, half from positions.
+      const double numbers = 3.0 * static_cast<double>(observations_.size());
+      const double spare = std::max(0.25 * numbers, numbers - 0.5 * (twistParameterCount(*cell_.arm) + 12.0));
+      const double factor = std::sqrt(numbers / spare / chiSquareQuantile(0.5, 3));
+      const double rotation = std::max(1e-12, factor * std::sqrt(median(rotations)));
+      const double position = std::max(1e-12, factor * std::sqrt(median(positions)));
+      const bool settled = std::abs(rotation - sigma_rotation) < 1e-3 * rotation && std::abs(position - sigma_position) < 1e-3 * position;
+      sigma_rotation = rotation;
+      sigma_position = position;
+      Vector6d weight;
+      weight << Eigen::Vector3d::Constant(1.0 / rotation), Eigen::Vector3d::Constant(1.0 / position);
+      for (Observation& observation : observations_) observation.pose->whitening = weight.asDiagonal();
+      if (!options_.registered) registered_ = registerFrom(registered_, all);
+      prepareFlangePoses();
+      if (settled) break;
+    }
+    sigma_rotation_ = sigma_rotation;
+    sigma_position_ = sigma_position;
+  }
+
+  /// The registration of the nominal arm on some observations, started from one that is near.
+  Cell registerFrom(const Cell& start, const std::vector<std::size_t>& subset) const {
+    if (options_.registered) return start;
+    std::vector<Observation> some;
+    for (const std::size_t k : subset) some.push_back(observations_[k]);
+    AdjustmentOptions options;
+    options.free.near = true;
+    options.free.far = true;
+    options.robust = options_.robust;
+    return adjust(start, some, options).cell;
+  }
+
+  Judged judge(bool camera_free) const {
+    std::vector<std::size_t> all(observations_.size());
+    std::iota(all.begin(), all.end(), 0);
+    Judged judged;
+    judged.fit = fitMethod(registered_, observations_, flange_, all, options_, camera_free);
+    std::vector<bool> suspect(observations_.size(), false);
+    for (std::size_t k = 0; k < observations_.size(); ++k) suspect[k] = leftOut(judged.fit, k);
+    Cell nominal = registered_;
+    nominal.registration = closed_form_;
+    ErrorCollector train[3], test[3];
+    const auto collect = [&](const Cell& cell, const std::vector<std::size_t>& subset, ErrorCollector& errors) {
+      for (const std::size_t k : subset) {
+        if (!suspect[k]) errors.add(cell, observations_[k], freePose(judged.fit, k));
+      }
+    };
+    for (const Fold& fold : folds_) {
+      const Cell registered = registerFrom(registered_, fold.train);
+      const MethodFit fit = fitMethod(registered_, observations_, flange_, fold.train, options_, camera_free);
+      const Cell* cells[3] = {&nominal, &registered, &fit.cell};
+      for (int stage = 0; stage < 3; ++stage) {
+        collect(*cells[stage], fold.test, test[stage]);
+        if (!result_.leave_one_out) collect(*cells[stage], fold.train, train[stage]);
+      }
+      for (const std::size_t k : fold.test) {
+        if (!suspect[k]) judged.held_out.push_back(k);
+      }
+    }
+    if (folds_.empty() || result_.leave_one_out) {
+      const Cell* cells[3] = {&nominal, &registered_, &judged.fit.cell};
+      for (int stage = 0; stage < 3; ++stage) collect(*cells[stage], all, train[stage]);
+    }
+    const char* names[3] = {"nominal", "registered", "identified"};
+    for (int stage = 0; stage < 3; ++stage) judged.stages.push_back({names[stage], train[stage].summary(), test[stage].summary()});
+    judged.held_out_squares = test[2].squares();
+    return judged;
+  }
+
+  bool leftOut(const MethodFit& fit, std::size_t k) const {
+    if (!fit.adjustment.weights.empty()) return keptShare(fit.adjustment.weights[k]) < 0.5;
+    return corners_ && !samples_.empty() && samples_[k].left_out;
+  }
+
+  /// The target's free pose of an observation, through the camera of the fit.
+  const Eigen::Isometry3d* freePose(const MethodFit& fit, std::size_t k) const {
+    if (!corners_ || !samples_[k].has_pose) return nullptr;
+    if (!fit.free.intrinsics) return &samples_[k].T_camera_target;
+    Eigen::Isometry3d& pose = refitted_poses_[k];
+    pose = refinePose(*fit.cell.camera, observations_[k], samples_[k].T_camera_target).T_camera_target;
+    return &pose;
+  }
+
+  Judged chooseCamera() {
+    const bool movable = corners_ && options_.method == Method::kBundle;
+    if (!movable || options_.camera == CameraChoice::kStated) return judge(false);
+    if (options_.camera == CameraChoice::kFree || statesDeviations(*cell_.camera)) {
+      Judged judged = judge(true);
+      sayIfLensMoved(judged.fit);
+      return judged;
+    }
+    Judged stated = judge(false);
+    if (folds_.empty()) return stated;
+    Judged freed = judge(true);
+    if (!clearlyBetter(freed, stated)) return stated;
+    result_.camera_refitted = true;
+    result_.warnings.push_back(fmt::format(
+        "the stated lens is wrong: with the camera re-fitted ({}) the error on poses that the fit did not see falls from {:.2f} to {:.2f} px rms",
+        describeMove(freed.fit), stated.stages.back().held_out.px.rms, freed.stages.back().held_out.px.rms));
+    return freed;
+  }
+
+  /// Paired over poses that both judged: a drop of the rms by a fifth that is also 2.6 standard errors (1 %, two-sided) above none.
+  static bool clearlyBetter(const Judged& freed, const Judged& stated) {
+    std::map<std::size_t, double> before;
+    for (std::size_t k = 0; k < stated.held_out.size(); ++k) before[stated.held_out[k]] = stated.held_out_squares[k];
+    std::vector<double> gains;
+    double sum_before = 0.0, sum_after = 0.0;
+    for (std::size_t k = 0; k < freed.held_out.size(); ++k) {
+      const auto found = before.find(freed.held_out[k]);
+      if (found == before.end()) continue;
+      gains.push_back(found->second - freed.held_out_squares[k]);
+      sum_before += found->second;
+      sum_after += freed.held_out_squares[k];
+    }
+    if (gains.size() < 4 || !(sum_after < 0.64 * sum_before)) return false;
+    const double centre = mean(gains);
+    double spread = 0.0;
+    for (const double gain : gains) spread += (gain - centre) * (gain - centre);
+    const auto count = static_cast<double>(gains.size());
+    return centre > 2.6 * std::sqrt(spread / (count * (count - 1.0)));
+  }
+
+  /// The intrinsics that moved by more than three standard deviations of the fit, at most four, farthest first.
+  std::string describeMove(const MethodFit& fit) const {
+    const Eigen::VectorXd move = fit.cell.camera->parameters() - cell_.camera->parameters();
+    const Eigen::VectorXd deviation = fit.covariance.diagonal().tail(move.size()).cwiseSqrt();
+    const std::vector<std::string> names = fit.cell.camera->parameterNames();
+    std::vector<Eigen::Index> order(names.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return std::abs(move(a)) / deviation(a) > std::abs(move(b)) / deviation(b); });
+    std::string text;
+    for (std::size_t k = 0; k < order.size() && k < 4; ++k) {
+      const Eigen::Index i = order[k];
+      if (k > 0 && std::abs(move(i)) < 3.0 * deviation(i)) break;
+      text += fmt::format("{}{} {:.4g} instead of {:.4g}", text.empty() ? "" : ", ", names[static_cast<std::size_t>(i)],
+                          fit.cell.camera->parameters()(i), cell_.camera->parameters()(i));
+    }
+    return text;
+  }
+
+  /// A camera with stated deviations that had to move far beyond them.
+  void sayIfLensMoved(const MethodFit& fit) {
+    result_.camera_refitted = true;
+    const Eigen::VectorXd prior = cameraPrior(*cell_.camera);
+    const Eigen::VectorXd move = fit.cell.camera->parameters() - cell_.camera->parameters();
+    for (Eigen::Index k = 0; k < move.size(); ++k) {
+      if (prior(k) > 0.0 && std::abs(move(k)) > 5.0 * prior(k)) {
+        result_.warnings.push_back(fmt::format("the stated lens is wrong: {} moved by {:.1f} of its stated standard deviations ({})",
+                                               fit.cell.camera->parameterNames()[static_cast<std::size_t>(k)], std::abs(move(k)) / prior(k),
+                                               describeMove(fit)));
+        return;
+      }
+    }
+  }
+
+  void report(Judged judged) {
+    const MethodFit& fit = judged.fit;
+    result_.stages = std::move(judged.stages);
+    result_.held_out_poses = static_cast<int>(judged.held_out.size());
+    result_.status = fit.converged ? AdjustmentStatus::kConverged : AdjustmentStatus::kIterationLimit;
+    if (!fit.converged) result_.warnings.push_back("the fit reached its iteration limit: its figures are not those of a minimum");
+    result_.steps = fit.adjustment.steps;
+    result_.gao_residuals = fit.gao_residuals;
+    result_.parameter_names = fit.parameter_names;
+    result_.parameter_deviation = fit.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    result_.rank = fit.adjustment.rank;
+    result_.condition_number = fit.adjustment.condition_number;
+    result_.unseen = fit.adjustment.unseen;
+    result_.scale = fit.adjustment.scale;
+    result_.reduced_chi_square = fit.adjustment.reducedChiSquare();
+    result_.degrees_of_freedom = fit.adjustment.degrees_of_freedom;
+    if (!corners_) {
+      const double scale = fit.adjustment.scale > 0.0 ? fit.adjustment.scale : 1.0;
+      result_.sigma_position = scale * sigma_position_;
+      result_.sigma_rotation = scale * sigma_rotation_;
+    }
+    for (Eigen::Index k = 0; k < fit.adjustment.sigma_prior.size(); ++k) {
+      const double prior = fit.adjustment.sigma_prior(k);
+      result_.prior_share.push_back(std::isfinite(prior) ? std::pow(result_.parameter_deviation(k) / prior, 2) : 0.0);
+    }
+    nameSuspects(fit);
+    nameGauge(fit);
+    Model& model = result_.model;
+    model.cell = fit.cell;
+    model.method = methodName(options_.method);
+    model.deviation.twists = fit.twist_deviation;
+    model.deviation.gamma = fit.gamma_deviation;
+    setTransformDeviations(fit, model);
+    result_.adjustment = fit.adjustment;
+    result_.free = fit.free;
+    result_.start = fit.start;
+  }
+
+  void setTransformDeviations(const MethodFit& fit, Model& model) const {
+    if (options_.registered) return;
+    Eigen::VectorXd both = registration_deviation_;
+    if (fit.free.near && fit.free.far) both = fit.covariance.diagonal().segment<12>(fit.adjustment.beta.size()).cwiseSqrt();
+    if (both.size() != 12) return;
+    model.deviation.T_camera_near = both.head<6>();
+    model.deviation.T_far_target = both.tail<6>();
+    if (fit.free.intrinsics) {
+      model.cell.camera->standard_deviation = fit.covariance.diagonal().tail(fit.cell.camera->parameterCount()).cwiseSqrt();
+    }
+  }
+
+  void nameSuspects(const MethodFit& fit) {
+    if (fit.adjustment.weights.empty()) return;
+    const bool flange = options_.method == Method::kWeighted;
+    for (std::size_t k = 0; k < observations_.size(); ++k) {
+      const std::vector<double>& weights = fit.adjustment.weights[k];
+      if (*std::min_element(weights.begin(), weights.end()) >= 1.0) continue;
+      SuspectRow row;
+      row.sample = observations_[k].sample;
+      row.left_out = keptShare(weights) < 0.5;
+      const Cell& cell = flange ? fit.adjustment.cell : fit.cell;
+      double sum = 0.0;
+      const std::vector<UnitResidual> units = residuals(cell, flange ? flange_.observations[k] : observations_[k]);
+      for (const UnitResidual& unit : units) {
+        row.sigmas = std::max(row.sigmas, std::sqrt(unit.squared_norm) / fit.adjustment.scale);
+        sum += corners_ && !flange ? unit.residual.squaredNorm() : unit.residual.tail<3>().squaredNorm();
+      }
+      row.residual = std::sqrt(sum / static_cast<double>(units.size()));
+      result_.suspects.push_back(row);
+    }
+  }
+
+  void nameGauge(const MethodFit& fit) {
+    for (std::size_t k = 0; k < cell_.arm->joints.size(); ++k) {
+      const bool revolute = cell_.arm->joints[k].type == JointType::kRevolute;
+      result_.gauge.push_back(fmt::format("joint {}: {} changes nothing and is not a parameter", k + 1,
+                                          revolute ? "turning about and sliding along its own axis" : "turning about and shifting its own direction"));
+    }
+    const Registration& registration = fit.cell.registration;
+    if (fit.free.near) {
+      result_.gauge.push_back(fmt::format("Gamma and T_{}_target are one unknown: Gamma is held at its nominal value", registration.farFrame()));
+      result_.gauge.push_back(fmt::format("moving the {} frame and all axes together changes nothing: the tolerance priors of the axes choose", registration.nearFrame()));
+    } else if (!options_.registered) {
+      result_.gauge.push_back(fmt::format("T_camera_{} and T_{}_target are held as registered with the nominal arm; the axes and Gamma take up what they lack",
+                                          registration.nearFrame(), registration.farFrame()));
+    }
+  }
+
+  Cell cell_;
+  std::vector<Observation> observations_;
+  const std::vector<std::vector<std::size_t>>& groups_;
+  IdentifyOptions options_;
+  Identification result_;
+  bool corners_ = true;
+  Cell registered_;
+  Registration closed_form_;
+  std::vector<RegisteredSample> samples_;
+  Eigen::VectorXd registration_deviation_;
+  FlangePoses flange_;
+  std::vector<Fold> folds_;
+  double sigma_position_ = 0.0, sigma_rotation_ = 0.0;
+  mutable std::map<std::size_t, Eigen::Isometry3d> refitted_poses_;
+};
+
+}  // namespace
+
+const char* methodName(Method method) {
+  switch (method) {
+    case Method::kGao: return "gao";
+    case Method::kWeighted: return "weighted";
+    case Method::kBundle: return "bundle";
+  }
+  return "";
+}
+
+Method methodFromName(const std::string& name) {
+  for (const Method method : {Method::kGao, Method::kWeighted, Method::kBundle}) {
+    if (name == methodName(method)) return method;
+  }
+  throw InvalidArgument(fmt::format("method '{}', expected gao, weighted or bundle", name));
+}
+
+void IdentifyOptions::validate() const {
+  if (!(tolerance_position >= 0.0)) throw InvalidArgument("tolerance_position must not be negative");
+  if (!(tolerance_rotation >= 0.0)) throw InvalidArgument("tolerance_rotation must not be negative");
+  if (hold_out_every < 0 || hold_out_every == 1) throw InvalidArgument("hold_out_every must be 0 or at least 2");
+}
+
+Identification identify(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
+                        const IdentifyOptions& options) {
+  options.validate();
+  if (!cell.arm) throw InvalidArgument("identification needs an arm");
+  return Identifier(cell, observations, groups, options).run();
+}
+
+std::vector<std::vector<std::size_t>> observationGroups(const std::vector<Observation>& observations, const std::vector<Sample>& samples) {
+  std::vector<Sample> rows;
+  for (const Observation& observation : observations) rows.push_back(samples.at(observation.sample));
+  return poseGroups(rows);
+}
+
+}  // namespace poecal
