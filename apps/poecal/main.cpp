@@ -37,6 +37,7 @@ constexpr Command kCommands[] = {
     {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
     {"identify", "the arm's twists and home pose", setUpIdentify},
     {"predict", "the corners or flange poses that a model expects", setUpPredict},
+    {"simulate", "a capture folder from a scene whose truth is known", setUpSimulate},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
     {"diagnose", "where the gap lies, which effect causes it, how far it shrinks (not built yet)", setUpNotBuilt},
     {"report", "one self-contained page (not built yet)", setUpNotBuilt},

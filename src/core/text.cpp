@@ -26,8 +26,9 @@ std::string readTextFile(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, status)) throw FileError(file, 0, "no such file");
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream content;
-  content << stream.rdbuf();
-  if (!stream || !content) throw FileError(file, 0, "cannot be read");
+  // An empty file leaves nothing to insert, which the stream takes for a failure.
+  if (stream && stream.peek() != std::ifstream::traits_type::eof()) content << stream.rdbuf();
+  if (stream.bad() || !stream.is_open() || !content) throw FileError(file, 0, "cannot be read");
   return content.str();
 }
 

@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 #include <opencv2/aruco/charuco.hpp>
 
 #include "detection/corner_finder.hpp"
+#include "detection/subpixel.hpp"
 #include "target/names.hpp"
 
 namespace poecal {
@@ -19,11 +21,12 @@ class CharucoFinder : public CornerFinder {
  public:
   explicit CharucoFinder(const Target& target)
       : dictionary_(dictionaryOf(target.dictionary)),
+        margin_((target.square - target.marker) / (2.0 * target.marker)),
         board_(cv::aruco::CharucoBoard::create(target.cols, target.rows, static_cast<float>(target.square),
                                                static_cast<float>(target.marker), dictionary_)),
         parameters_(cv::aruco::DetectorParameters::create()) {
-    // Refining the markers' corners would let those near a corner of the board snap to it; the interpolation from markers is then off by
-    // the margin between marker and square. The board's corners themselves are refined, by OpenCV, with windows that stop short of markers.
+    // Refining the markers' corners would let those near a corner of the board snap to it: the interpolation from markers is then off by
+    // the margin between marker and square.
     parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   }
 
@@ -35,6 +38,8 @@ class CharucoFinder : public CornerFinder {
     std::vector<cv::Point2f> corners;
     std::vector<int> ids;
     cv::aruco::interpolateCornersCharuco(markers, marker_ids, grey, board_, corners, ids);
+    // OpenCV 4.6 has refined these already and returns them 0.5 px off in both axes; from there our own pass finds the saddle.
+    if (!corners.empty()) refineSaddles(grey, corners, clearance(markers));
     Finding finding;
     for (std::size_t k = 0; k < ids.size(); ++k) {
       finding.corners.push_back({{-1, ids[k]}, {static_cast<double>(corners[k].x), static_cast<double>(corners[k].y)}});
@@ -47,7 +52,17 @@ class CharucoFinder : public CornerFinder {
   }
 
  private:
+  /// From a corner of the board to where the markers beside it begin, less a pixel of blur [px].
+  double clearance(const std::vector<std::vector<cv::Point2f>>& markers) const {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const auto& marker : markers) {
+      for (std::size_t k = 0; k < 4; ++k) shortest = std::min(shortest, cv::norm(marker[(k + 1) % 4] - marker[k]));
+    }
+    return margin_ * shortest - 1.0;
+  }
+
   cv::Ptr<cv::aruco::Dictionary> dictionary_;
+  double margin_;  ///< between marker and square, in sides of a marker
   cv::Ptr<cv::aruco::CharucoBoard> board_;
   cv::Ptr<cv::aruco::DetectorParameters> parameters_;
 };

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -7,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "detection/corner_finder.hpp"
+#include "detection/subpixel.hpp"
 
 namespace poecal {
 namespace {
@@ -21,9 +21,8 @@ class ChessboardFinder : public CornerFinder {
     if (!cv::findChessboardCorners(grey, size_, corners, kFlags)) {
       return {{}, {fmt::format("no chessboard of {} x {} inner corners was found", size_.width, size_.height)}};
     }
-    const int half = windowHalfSize(corners);
-    const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 1e-4);
-    cv::cornerSubPix(grey, corners, {half, half}, {-1, -1}, until);
+    // The next corner's edges would pull; 0.4 of a side stays clear of them and of their blur.
+    refineSaddles(grey, corners, 0.4 * shortestSide(corners));
     if (colourTellsEnds() && !firstSquareIsDark(grey, corners)) std::reverse(corners.begin(), corners.end());
     Finding finding;
     for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -37,8 +36,8 @@ class ChessboardFinder : public CornerFinder {
     return corners[static_cast<std::size_t>(row * size_.width + col)];
   }
 
-  /// As large as fits without reaching the next corner, whose edges would pull: 0.4 of the shortest side of a square.
-  int windowHalfSize(const std::vector<cv::Point2f>& corners) const {
+  /// Of the squares [px].
+  double shortestSide(const std::vector<cv::Point2f>& corners) const {
     double shortest = std::numeric_limits<double>::infinity();
     for (int row = 0; row < size_.height; ++row) {
       for (int col = 0; col < size_.width; ++col) {
@@ -46,7 +45,7 @@ class ChessboardFinder : public CornerFinder {
         if (row > 0) shortest = std::min(shortest, cv::norm(at(corners, col, row) - at(corners, col, row - 1)));
       }
     }
-    return std::clamp(static_cast<int>(std::floor(0.4 * shortest)), 2, 11);
+    return shortest;
   }
 
   /// With an odd and an even number of corners half a turn of the board swaps black and white.

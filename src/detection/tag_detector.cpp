@@ -99,7 +99,12 @@ TagDetector::TagDetector(const std::string& family, int corrected_bits)
 
 TagDetector::~TagDetector() = default;
 
+int TagDetector::idCount() const { return static_cast<int>(library_->family->ncodes); }
+
 std::vector<TagDetection> TagDetector::detect(const cv::Mat& grey, double quad_decimate, bool refine_edges) {
+  // Below a few pixels a side the library reads outside of its picture; no tag of 5 or more bits a side is readable below 8 either.
+  constexpr double kSmallestSide = 8.0;
+  if (std::min(grey.cols, grey.rows) < kSmallestSide * quad_decimate) return {};
   library_->detector->quad_decimate = static_cast<float>(quad_decimate);
   library_->detector->refine_edges = refine_edges;
   image_u8_t view{grey.cols, grey.rows, static_cast<int32_t>(grey.step[0]), grey.data};

@@ -32,6 +32,7 @@ class TagDetector {
   TagDetector(const TagDetector&) = delete;
   TagDetector& operator=(const TagDetector&) = delete;
 
+  int idCount() const;
   /// One pass. @param grey  8-bit, one channel. @param quad_decimate  as in DetectOptions.
   std::vector<TagDetection> detect(const cv::Mat& grey, double quad_decimate, bool refine_edges);
 

@@ -1,0 +1,77 @@
+#include "detection/picture.hpp"
+
+#include <gmock/gmock.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "support/temp_folder.hpp"
+
+namespace poecal {
+namespace {
+
+/// A gradient whose grey values are known everywhere.
+cv::Mat gradient() {
+  cv::Mat picture(40, 50, CV_8UC1);
+  for (int row = 0; row < 40; ++row) {
+    for (int col = 0; col < 50; ++col) picture.at<unsigned char>(row, col) = static_cast<unsigned char>(3 * row + 2 * col);
+  }
+  return picture;
+}
+
+std::string encoded(const std::string& extension, const cv::Mat& picture) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(extension, picture, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+double largestDifference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
+
+TEST(Picture, EveryFormatGivesTheSameGrey) {
+  const test::TempFolder folder;
+  cv::Mat colour;
+  cv::merge(std::vector<cv::Mat>(3, gradient()), colour);
+  for (const char* name : {"a.png", "a.tif", "a.bmp"}) {
+    const std::string extension = std::filesystem::path(name).extension();
+    EXPECT_EQ(largestDifference(readPicture(folder.write(name, encoded(extension, gradient()))).grey, gradient()), 0.0) << name;
+    EXPECT_EQ(largestDifference(readPicture(folder.write(name, encoded(extension, colour))).grey, gradient()), 0.0) << name << ", colour";
+  }
+  // JPEG loses a few grey values by design.
+  EXPECT_LE(largestDifference(readPicture(folder.write("a.jpg", encoded(".jpg", gradient()))).grey, gradient()), 4.0);
+}
+
+TEST(Picture, SixteenBitsAreScaledByTheSensorsRange) {
+  const test::TempFolder folder;
+  cv::Mat full, twelve;
+  gradient().convertTo(full, CV_16U, 257.0);
+  gradient().convertTo(twelve, CV_16U, 16.0);
+  EXPECT_EQ(largestDifference(readPicture(folder.write("full.png", encoded(".png", full))).grey, gradient()), 0.0);
+  EXPECT_LE(largestDifference(readPicture(folder.write("twelve.tif", encoded(".tif", twelve))).grey, gradient()), 1.0)
+      << "4080 stands for 4095";
+}
+
+TEST(Picture, CutFilesAreNoPictures) {
+  const test::TempFolder folder;
+  for (const char* extension : {".png", ".jpg"}) {
+    const std::string whole = encoded(extension, gradient());
+    for (const double part : {0.1, 0.5, 0.9, 0.99}) {
+      const std::string cut = whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size())));
+      const Picture picture = readPicture(folder.write(std::string("cut") + extension, cut));
+      EXPECT_TRUE(picture.grey.empty()) << extension << " " << part;
+      EXPECT_EQ(picture.problem, "the file is cut short") << extension << " " << part;
+    }
+    EXPECT_FALSE(readPicture(folder.write(std::string("padded") + extension, whole + std::string(64, '\0'))).grey.empty())
+        << "some cameras fill up their files";
+  }
+  const std::string tiff = encoded(".tif", gradient());
+  EXPECT_TRUE(readPicture(folder.write("cut.tif", tiff.substr(0, tiff.size() / 2))).grey.empty());
+}
+
+TEST(Picture, OtherFilesSayWhatTheyAreNot) {
+  const test::TempFolder folder;
+  EXPECT_EQ(readPicture(folder.path() / "none.png").problem, "no such file");
+  EXPECT_EQ(readPicture(folder.write("empty.png", "")).problem, "the file is empty");
+  EXPECT_THAT(readPicture(folder.write("text.png", "hello")).problem, ::testing::HasSubstr("is not a picture that can be read"));
+}
+
+}  // namespace
+}  // namespace poecal
