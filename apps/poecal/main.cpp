@@ -33,6 +33,7 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 
 constexpr Command kCommands[] = {
     {"run", "the main job: intrinsics where asked for, detect, measure, identify", setUpRun},
+    {"simulate", "a rendered capture folder whose truth is known", setUpSimulate},
     {"intrinsics", "camera intrinsics from pictures of a board", setUpIntrinsics},
     {"detect", "the target in every picture", setUpDetect},
     {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
