@@ -19,8 +19,7 @@ Camera cameraOf(const Capture& capture, const std::filesystem::path& out, const 
   for (const std::string& picture : listPictures(capture.intrinsics_folder)) key.addFile(capture.intrinsics_folder / picture);
   const Stage stage(out, "intrinsics", {file}, key);
   if (!stage.upToDate()) {
-    const BoardFolderResult result = calibrateBoardFolder(capture.intrinsics_folder, {}, common);
-    writeBoardFolderResult(result, file);
+    calibrateBoardFolder(capture.intrinsics_folder, {}, common, file);
     stage.markDone();
   }
   return readCamera(file);
@@ -40,9 +39,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
     options.expected_width = camera.width;
     options.expected_height = camera.height;
     const DetectResult result = detectCapture(capture, options);
-    std::vector<std::string> notes;
-    for (const PictureNote& note : result.notes) notes.push_back(note.image + ": " + note.message);
-    warnAll(notes);
+    warnAll(describe(result.notes));
     writeTextFile(file, detectionsCsv(result.detections));
     stage.markDone();
   }
@@ -50,6 +47,12 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
 }
 
 }  // namespace
+
+std::vector<std::string> describe(const std::vector<PictureNote>& notes) {
+  std::vector<std::string> messages;
+  for (const PictureNote& note : notes) messages.push_back(note.image + ": " + note.message);
+  return messages;
+}
 
 void warnAll(const std::vector<std::string>& messages) {
   constexpr std::size_t kShown = 20;

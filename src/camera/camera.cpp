@@ -134,6 +134,13 @@ const char* distortionModelName(DistortionModel model) {
   return "";
 }
 
+std::optional<DistortionModel> findDistortionModel(const std::string& name) {
+  for (const DistortionModel model : kDistortionModels) {
+    if (name == distortionModelName(model)) return model;
+  }
+  return std::nullopt;
+}
+
 int distortionCount(DistortionModel model) {
   switch (model) {
     case DistortionModel::kPlumbBob:

@@ -11,15 +11,11 @@
 namespace poecal {
 namespace {
 
-constexpr DistortionModel kModels[] = {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial, DistortionModel::kEquidistant};
-
 DistortionModel parseModel(const YamlNode& node) {
   const std::string name = node.text();
+  if (const auto model = findDistortionModel(name)) return *model;
   std::string known;
-  for (const DistortionModel model : kModels) {
-    if (name == distortionModelName(model)) return model;
-    known += (known.empty() ? "" : ", ") + std::string(distortionModelName(model));
-  }
+  for (const DistortionModel model : kDistortionModels) known += (known.empty() ? "" : ", ") + std::string(distortionModelName(model));
   node.fail(fmt::format("is '{}', expected one of: {}", name, known));
 }
 

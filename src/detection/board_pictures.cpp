@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include <fmt/format.h>
+
 #include "poecal/core/error.hpp"
 #include "poecal/target/target.hpp"
 
@@ -28,6 +30,7 @@ BoardPictures readBoardPictures(const std::filesystem::path& folder, const Detec
   const std::vector<std::string> images = listPictures(folder);
   if (images.empty()) throw FileError(folder, 0, "no pictures, expected PNG, JPEG or TIFF files of the board");
   DetectResult found = detect(folder, images, target, options);
+  if (found.width == 0) throw FileError(folder, 0, fmt::format("none of the {} pictures can be read", images.size()));
   BoardPictures pictures;
   for (const ImageCorners& image : found.detections.images) pictures.views.push_back(boardView(image, target));
   pictures.notes = std::move(found.notes);

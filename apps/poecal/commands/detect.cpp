@@ -52,9 +52,7 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
     const Capture capture = readCapture(options->capture);
     options->detect.jobs = common.jobs;
     const DetectResult result = detectCapture(capture, options->detect);
-    std::vector<std::string> notes;
-    for (const PictureNote& note : result.notes) notes.push_back(note.image + ": " + note.message);
-    warnAll(notes);
+    warnAll(describe(result.notes));
     const Counts counts = count(result.detections, capture.target);
     if (counts.corners == 0) {
       throw InsufficientData(

@@ -1,54 +1,46 @@
 // poecal intrinsics: camera intrinsics from pictures of a board.
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "board_folder.hpp"
 #include "commands.hpp"
 #include "poecal/camera/intrinsics.hpp"
-#include "poecal/core/csv.hpp"
-#include "poecal/core/text.hpp"
-#include "poecal/detection/board_pictures.hpp"
 
 namespace poecal::app {
 namespace {
 
 struct Arguments {
   std::filesystem::path folder, out;
-  IntrinsicsOptions options;
+  std::string model = distortionModelName(IntrinsicsOptions{}.model);
+  bool drop_bad = false;
 };
 
 constexpr const char* kExample = R"(
 Example:
-  $ poecal intrinsics intrinsics --out camera.yaml
-  camera.yaml: plumb_bob, 13 pictures, 702 points, 0.408 px rms
-    fx     536.064 +- 0.926
-    ...
+  $ poecal intrinsics capture/intrinsics --out camera.yaml
+  camera.yaml: plumb_bob, 13 pictures, 702 points, 0.181 px rms
+    fx      533.301 +- 0.41
+    fy      533.365 +- 0.43
+    cx      342.127 +- 0.43
+    cy      234.045 +- 0.47
+    k1     -0.28094 +- 0.005
+    k2      0.02911 +- 0.039
+    p1      0.00112 +- 0.0001
+    p2     -0.00005 +- 0.00013
+    k3      0.15209 +- 0.082
+  worst pictures:
+    chessboard-08.jpg  0.236 px rms, 0.47 px at most
+    chessboard-09.jpg  0.203 px rms, 0.53 px at most
+    chessboard-12.jpg  0.199 px rms, 0.50 px at most
+  camera-residuals.csv: every picture's residuals
 )";
-
-std::filesystem::path residualsFile(const std::filesystem::path& out) {
-  return out.parent_path() / (out.stem().string() + "-residuals.csv");
-}
-
-std::string residualsCsv(const IntrinsicsResult& result) {
-  CsvWriter csv({"image", "points", "rms_px", "max_px", "bad"});
-  for (const ViewResidual& view : result.views) {
-    csv.cell(view.image).cell(view.points);
-    // A picture that took no part has no residuals, which is not the same as none of any size.
-    if (view.used) {
-      csv.cell(view.rms_px).cell(view.max_px);
-    } else {
-      csv.cell("").cell("");
-    }
-    csv.cell(view.bad ? 1 : 0).endRow();
-  }
-  return csv.str();
-}
 
 /// The used pictures, the worst first.
 std::vector<const ViewResidual*> worstFirst(const IntrinsicsResult& result) {
@@ -106,14 +98,10 @@ nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& r
 }
 
 int run(const Arguments& arguments, const Common& common) {
-  DetectOptions detect_options;
-  detect_options.jobs = common.jobs;
-  const BoardPictures pictures = readBoardPictures(arguments.folder, detect_options);
-  for (const PictureNote& note : pictures.notes) warn(note.image + ": " + note.message);
-  const IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, arguments.options);
-  for (const std::string& warning : result.warnings) warn(warning);
-  writeTextFile(residualsFile(arguments.out), residualsCsv(result));
-  writeTextFile(arguments.out, cameraYaml(result.chosen().camera));
+  IntrinsicsOptions options;
+  options.model = findDistortionModel(arguments.model).value();
+  options.drop_bad = arguments.drop_bad;
+  const IntrinsicsResult result = calibrateBoardFolder(arguments.folder, options, common, arguments.out);
   printSummary(common, summaryText(arguments, result), summaryJson(arguments, result));
   return 0;
 }
@@ -122,16 +110,12 @@ int run(const Arguments& arguments, const Common& common) {
 
 std::function<int()> setUpIntrinsics(CLI::App& app, const Common& common) {
   const auto arguments = std::make_shared<Arguments>();
-  const std::map<std::string, DistortionModel> models{
-      {distortionModelName(DistortionModel::kPlumbBob), DistortionModel::kPlumbBob},
-      {distortionModelName(DistortionModel::kRationalPolynomial), DistortionModel::kRationalPolynomial},
-      {distortionModelName(DistortionModel::kEquidistant), DistortionModel::kEquidistant}};
+  std::vector<std::string> models;
+  for (const DistortionModel model : kDistortionModels) models.emplace_back(distortionModelName(model));
   app.add_option("FOLDER", arguments->folder, "Pictures of a board, and its target.yaml")->required();
   app.add_option("--out", arguments->out, "The camera file to write; STEM-residuals.csv goes beside it")->required();
-  app.add_option("--model", arguments->options.model, "plumb_bob (default), rational_polynomial or equidistant")
-      ->transform(CLI::CheckedTransformer(models).description(""))
-      ->type_name("MODEL");
-  app.add_flag("--drop-bad", arguments->options.drop_bad, "Leave the bad pictures out, not only name them");
+  app.add_option("--model", arguments->model, "Distortion model")->check(CLI::IsMember(models))->capture_default_str();
+  app.add_flag("--drop-bad", arguments->drop_bad, "Leave the bad pictures out, not only name them");
   app.footer(kExample);
   return [arguments, &common] { return run(*arguments, common); };
 }

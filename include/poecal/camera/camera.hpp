@@ -55,7 +55,13 @@ std::optional<Eigen::Vector3d> unproject(const Camera& camera, const Eigen::Vect
 Camera readCamera(const std::filesystem::path& file);
 std::string cameraYaml(const Camera& camera);
 
+/// Every model, for lists of what may be chosen.
+inline constexpr DistortionModel kDistortionModels[] = {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial,
+                                                        DistortionModel::kEquidistant};
 const char* distortionModelName(DistortionModel model);
+/// The model of that name, or nothing.
+std::optional<DistortionModel> findDistortionModel(const std::string& name);
+/// Number of coefficients: 5, 8, 4.
 int distortionCount(DistortionModel model);
 
 }  // namespace poecal

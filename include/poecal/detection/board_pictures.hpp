@@ -16,7 +16,7 @@ struct BoardPictures {
 };
 
 /// Finds the target of folder/target.yaml in every picture of the folder.
-/// @throws FileError: no pictures, no target.yaml or an error in it. Otherwise as detect().
+/// @throws FileError: no pictures, none that can be read, no target.yaml or an error in it. Otherwise as detect().
 BoardPictures readBoardPictures(const std::filesystem::path& folder, const DetectOptions& options);
 
 }  // namespace poecal
