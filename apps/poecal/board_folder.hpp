@@ -8,16 +8,12 @@
 
 namespace poecal::app {
 
-struct BoardFolderResult {
-  IntrinsicsResult intrinsics;
-  int pictures = 0;  ///< in the folder
-};
+/// Finds the board of FOLDER/target.yaml in each picture of FOLDER, calibrates, and writes `camera_file` and residualsFile(camera_file).
+/// Notes and warnings go to stderr. @throws FileError, InsufficientData as the readers, the detector and calibrateIntrinsics do.
+IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const IntrinsicsOptions& options, const Common& common,
+                                      const std::filesystem::path& camera_file);
 
-/// Finds the board of FOLDER/target.yaml in each picture of FOLDER and calibrates; notes and warnings go to stderr.
-/// @throws FileError, InsufficientData as the readers, the detector and calibrateIntrinsics do.
-BoardFolderResult calibrateBoardFolder(const std::filesystem::path& folder, const IntrinsicsOptions& options, const Common& common);
-
-/// Writes camera.yaml and, beside it, the residuals of each picture (STEM-residuals.csv).
-void writeBoardFolderResult(const BoardFolderResult& result, const std::filesystem::path& camera_file);
+/// STEM-residuals.csv beside a camera file: every picture's residuals.
+std::filesystem::path residualsFile(const std::filesystem::path& camera_file);
 
 }  // namespace poecal::app

@@ -5,7 +5,7 @@
 #include "board_folder.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
-#include "poecal/detection/detector.hpp"
+#include "poecal/detection/detect_capture.hpp"
 #include "stage.hpp"
 
 namespace poecal::app {
@@ -19,40 +19,40 @@ Camera cameraOf(const Capture& capture, const std::filesystem::path& out, const 
   for (const std::string& picture : listPictures(capture.intrinsics_folder)) key.addFile(capture.intrinsics_folder / picture);
   const Stage stage(out, "intrinsics", {file}, key);
   if (!stage.upToDate()) {
-    const BoardFolderResult result = calibrateBoardFolder(capture.intrinsics_folder, {}, common);
-    writeBoardFolderResult(result, file);
+    calibrateBoardFolder(capture.intrinsics_folder, {}, common, file);
     stage.markDone();
   }
   return readCamera(file);
 }
 
 Detections detectionsOf(const Capture& capture, const Camera& camera, const std::filesystem::path& out, const Common& common) {
-  if (!capture.detections_file.empty()) return readDetections(capture.detections_file, capture.target);
+  const Target* reference = capture.reference ? &*capture.reference : nullptr;
+  if (!capture.detections_file.empty()) return readDetections(capture.detections_file, capture.target, reference);
   const std::filesystem::path file = out / "detections.csv";
-  std::vector<std::string> images;
   InputKey key;
-  key.add(targetYaml(capture.target)).add(fmt::format("{}x{}", camera.width, camera.height));
-  for (const Sample& sample : capture.table.samples) {
-    images.push_back(sample.image);
-    key.add(sample.image).addFile(capture.folder / sample.image);
-  }
+  key.add(targetYaml(capture.target)).add(reference != nullptr ? targetYaml(*reference) : "").add(fmt::format("{}x{}", camera.width, camera.height));
+  for (const Sample& sample : capture.table.samples) key.add(sample.image).addFile(capture.folder / sample.image);
   const Stage stage(out, "detect", {file}, key);
   if (!stage.upToDate()) {
     DetectOptions options;
     options.jobs = common.jobs;
     options.expected_width = camera.width;
     options.expected_height = camera.height;
-    const DetectResult result = detect(capture.folder, images, capture.target, options);
-    std::vector<std::string> notes;
-    for (const PictureNote& note : result.notes) notes.push_back(note.image + ": " + note.message);
-    warnAll(notes);
+    const DetectResult result = detectCapture(capture, options);
+    warnAll(describe(result.notes));
     writeTextFile(file, detectionsCsv(result.detections));
     stage.markDone();
   }
-  return readDetections(file, capture.target);
+  return readDetections(file, capture.target, reference);
 }
 
 }  // namespace
+
+std::vector<std::string> describe(const std::vector<PictureNote>& notes) {
+  std::vector<std::string> messages;
+  for (const PictureNote& note : notes) messages.push_back(note.image + ": " + note.message);
+  return messages;
+}
 
 void warnAll(const std::vector<std::string>& messages) {
   constexpr std::size_t kShown = 20;

@@ -8,6 +8,7 @@
 #include "poecal/capture/detections.hpp"
 #include "poecal/cell/cell.hpp"
 #include "poecal/cell/observation.hpp"
+#include "poecal/detection/detector.hpp"
 
 namespace poecal::app {
 
@@ -23,6 +24,9 @@ struct CaptureInputs {
 /// Reads a capture. Intrinsics are found from their pictures where it names a folder of them (OUT/camera.yaml), corners where it names no
 /// detections.csv (OUT/detections.csv); what stands in OUT from the same inputs is not done again.
 CaptureInputs loadCapture(const std::filesystem::path& folder, const std::filesystem::path& out, const Common& common);
+
+/// "image: message" of each note.
+std::vector<std::string> describe(const std::vector<PictureNote>& notes);
 
 /// Prints the first few of many warnings and how many more there are.
 void warnAll(const std::vector<std::string>& messages);

@@ -33,11 +33,14 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 
 constexpr Command kCommands[] = {
     {"run", "the main job: intrinsics where asked for, detect, measure, identify", setUpRun},
+    {"simulate", "a rendered capture folder whose truth is known", setUpSimulate},
     {"intrinsics", "camera intrinsics from pictures of a board", setUpIntrinsics},
+    {"detect", "the target in every picture", setUpDetect},
     {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
     {"identify", "the arm's twists and home pose", setUpIdentify},
     {"predict", "the corners or flange poses that a model expects", setUpPredict},
-    {"simulate", "a capture folder from a scene whose truth is known", setUpSimulate},
+    {"export", "the URDF with the calibrated geometry", setUpExport},
+    {"paper", "the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
     {"diagnose", "where the gap lies, which effect causes it, how far it shrinks (not built yet)", setUpNotBuilt},
     {"report", "one self-contained page (not built yet)", setUpNotBuilt},

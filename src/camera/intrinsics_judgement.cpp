@@ -78,18 +78,22 @@ std::vector<std::string> coefficientWarnings(const IntrinsicsFit& fit) {
   const std::vector<std::string> names = camera.parameterNames();
   const Eigen::VectorXd values = camera.parameters();
   const auto name = [&names](Eigen::Index k) -> const std::string& { return names[static_cast<std::size_t>(k)]; };
+  std::vector<Eigen::Index> determined;
   for (Eigen::Index k = 4; k < values.size(); ++k) {
     const double deviation = camera.standard_deviation(k);
     if (std::isnan(deviation)) {
       warnings.push_back(fmt::format("the pictures leave {} open: any value fits; a model with fewer coefficients is enough", name(k)));
     } else if (deviation > plausibleSize(camera.model, name(k))) {
       warnings.push_back(fmt::format("{} = {:.3g} +- {:.3g} is not determined by the pictures", name(k), values(k), deviation));
+    } else {
+      determined.push_back(k);
     }
   }
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
+  for (const Eigen::Index k : determined) {
     for (Eigen::Index j = 0; j < k; ++j) {
+      if (j >= 4 && std::find(determined.begin(), determined.end(), j) == determined.end()) continue;
       const double product = camera.standard_deviation(k) * camera.standard_deviation(j);
-      if (!(product > 0.0)) continue;  // exact corners, or an open parameter that has its own sentence
+      if (!(product > 0.0)) continue;  // exact corners
       const double correlation = fit.covariance(k, j) / product;
       if (std::abs(correlation) <= kCorrelation) continue;
       warnings.push_back(fmt::format("{} and {} are determined only together (correlation {:.4f})", name(j), name(k), correlation));

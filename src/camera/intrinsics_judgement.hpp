@@ -18,7 +18,8 @@ Eigen::MatrixXd unitCovariance(const Eigen::MatrixXd& information);
 /// @param information  of camera.parameters() for noise of 1 px. @param sigma_px  of the corners.
 void requireDetermined(const Camera& camera, const Eigen::MatrixXd& information, double sigma_px);
 
-/// One sentence per coefficient that is open or less certain than any lens deviates, and per pair that is correlated beyond 0.99.
+/// One sentence per coefficient that is open or less certain than any lens deviates, and one for each of the others that is correlated
+/// beyond 0.99 with another parameter.
 std::vector<std::string> coefficientWarnings(const IntrinsicsFit& fit);
 
 /// Largest angle between the planes of two boards [rad]; pi / 2 where some board is not flat (it needs no tilting).

@@ -138,4 +138,18 @@ std::vector<std::vector<std::size_t>> poseGroups(const std::vector<Sample>& samp
   return groups;
 }
 
+std::vector<Sample> readJoints(const std::filesystem::path& file, const Arm& arm) {
+  const CsvTable csv = CsvTable::read(file);
+  const SampleColumns columns(csv, arm.jointCount(), {"image", "x", "y", "z", "qx", "qy", "qz", "qw"});
+  if (!columns.hasJoints()) csv.column("q1");
+  const auto image = csv.findColumn("image");
+  std::vector<Sample> samples;
+  for (std::size_t row = 0; row < csv.rowCount(); ++row) {
+    samples.push_back(columns.read(row));
+    if (image) samples.back().image = csv.text(row, *image);
+  }
+  checkReadings(file, samples, arm);
+  return samples;
+}
+
 }  // namespace poecal

@@ -123,6 +123,13 @@ Arm displaceTwists(const Arm& nominal, const Eigen::VectorXd& beta) {
   return arm;
 }
 
+AxisOffset axisOffset(const Joint& from, const Joint& to) {
+  AxisOffset offset;
+  offset.tilt = std::atan2(from.axis().cross(to.axis()).norm(), from.axis().dot(to.axis()));
+  if (to.type == JointType::kRevolute) offset.shift = to.axis().cross(from.anchor - to.anchor).norm();
+  return offset;
+}
+
 Matrix6Xd twistJacobian(const Arm& nominal, const Eigen::VectorXd& beta, const Arm& arm, const ArmChain& chain, const Eigen::VectorXd& q) {
   const int parameters = twistParameterCount(nominal);
   checkSize("twist parameters", beta.size(), parameters);

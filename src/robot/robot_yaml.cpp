@@ -110,4 +110,10 @@ Arm readRobotYaml(const std::filesystem::path& file) {
 
 std::string robotYaml(const Arm& arm) { return fmt::format("format: {}\n", kFormat) + robotMapYaml(arm, 0); }
 
+Arm readArm(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link) {
+  if (file.extension() != ".urdf") return readRobotYaml(file);
+  if (base_link.empty() || tip_link.empty()) throw InvalidArgument("a URDF needs --base-link and --tip-link");
+  return readUrdf(file, base_link, tip_link);
+}
+
 }  // namespace poecal

@@ -127,6 +127,15 @@ TEST(Intrinsics, NamesTheBadPictureAndWhatBecomesOfTheRest) {
   EXPECT_EQ(dropped.chosen().camera.parameters(), kept.without_bad->camera.parameters());
 }
 
+TEST(Intrinsics, CoefficientsThatThePicturesDoNotDetermineAreNamed) {
+  // Without distortion numerator and denominator of the rational model may be anything, as long as they are the same.
+  Rng rng = test::rngOfThisTest();
+  const Camera truth = test::makeCamera(DistortionModel::kRationalPolynomial, std::vector<double>(8, 0.0));
+  const IntrinsicsResult result = calibrated(truth, test::noisy(test::boardScene(truth, 6, rng).views, 0.1, rng));
+  EXPECT_THAT(result.warnings, Contains(testing::AnyOf(HasSubstr("k6 = "), HasSubstr("leave k6 open"))));
+  EXPECT_NEAR(result.all.camera.fx, truth.fx, 4.0 * result.all.camera.standard_deviation(0));
+}
+
 TEST(Intrinsics, NeverSetsAsideMoreThanAQuarter) {
   Rng rng = test::rngOfThisTest();
   const Camera truth = test::plumbBobCamera();

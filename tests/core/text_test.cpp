@@ -24,6 +24,8 @@ TEST(Text, WritingReplacesTheWholeFileAndLeavesNothingElse) {
   writeTextFile(file, "first");
   writeTextFile(file, "second");
   EXPECT_EQ(readTextFile(file), "second");
+  writeTextFile(file, "");
+  EXPECT_EQ(readTextFile(file), "");
   int entries = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path() / "sub")) ++entries;
   EXPECT_EQ(entries, 1);

@@ -179,6 +179,22 @@ TEST(Arm, BasisIsRightHandedAndTiltsAboutTheAnchor) {
   EXPECT_THAT(B, IsNear(x_and_y, 0.0));
 }
 
+TEST(Arm, AxisOffsetIsTheSizeOfSingleDisplacements) {
+  Rng rng = test::rngOfThisTest();
+  for (const double size : {1e-9, 1e-3, 0.5}) {
+    for (const Joint& from : randomArm(rng, "RP").joints) {
+      for (int k = 0; k < twistParameterCount(from); ++k) {
+        Arm arm;
+        arm.joints = {from};
+        Joint to = displaceTwists(arm, size * Eigen::VectorXd::Unit(twistParameterCount(from), k)).joints[0];
+        to.anchor += 0.7 * to.axis();  // another point of the same axis
+        EXPECT_NEAR(axisOffset(from, to).tilt, k < 2 ? size : 0.0, 1e-15) << "column " << k;
+        EXPECT_NEAR(axisOffset(from, to).shift, k < 2 ? 0.0 : size, 1e-15) << "column " << k;
+      }
+    }
+  }
+}
+
 TEST(Arm, WhatTheBasisLeavesOutChangesNothing) {
   Rng rng = test::rngOfThisTest();
   const Joint joint = randomArm(rng, "R").joints[0];

@@ -1,5 +1,7 @@
 #include "robot/robot_yaml.hpp"
 
+#include <ostream>
+
 #include <gmock/gmock.h>
 
 #include "poecal/core/error.hpp"
@@ -111,6 +113,9 @@ struct BadRobot {
   const char* new_text;
   const char* message;
 };
+
+// Without it GoogleTest prints, and CTest lists, the bytes of the pointers.
+void PrintTo(const BadRobot& value, std::ostream* out) { *out << value.what; }
 
 const BadRobot kBadRobots[] = {
     {"AxisLength", "axis: [0, 0, 1]", "axis: [0, 0, 1.1]", "robot.yaml:4: joints[0].axis: length 1.1, expected a unit vector"},

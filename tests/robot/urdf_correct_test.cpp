@@ -97,11 +97,11 @@ TEST(UrdfCorrection, KeepsEverythingElse) {
   EXPECT_THAT(text, Not(HasSubstr("_carrier"))) << "the fixed joint before tool0 takes what is left over";
 }
 
-TEST(UrdfCorrection, ShiftAlongTheAxisIsNotMovedInto) {
-  Arm arm = read(kSixJoints);
-  Joint& elbow = arm.joints[2];
-  elbow = Joint::revolute(elbow.name, elbow.axis(), elbow.anchor + 0.3 * elbow.axis());  // the same axis by another point
-  EXPECT_EQ(correct(kSixJoints, arm), correct(kSixJoints, read(kSixJoints)));
+TEST(UrdfCorrection, OtherPointsOfTheSameAxesChangeNothing) {
+  Arm arm = read(kScara);
+  for (Joint& joint : arm.joints) joint.anchor += 0.3 * joint.axis();
+  arm.joints[3].anchor += Eigen::Vector3d(1, 2, 3);  // a prismatic axis has no place at all
+  EXPECT_EQ(correct(kScara, arm), correct(kScara, read(kScara)));
 }
 
 TEST(UrdfCorrection, AddsALinkBeforeATipOnTheLastJointOnlyWhereItMust) {

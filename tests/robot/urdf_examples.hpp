@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 
 #include "poecal/core/text.hpp"
@@ -18,6 +19,9 @@ struct UrdfExample {
   }
   std::string text() const { return readTextFile(file()); }
 };
+
+// Without it GoogleTest prints, and CTest lists, the bytes of the pointers.
+inline void PrintTo(const UrdfExample& value, std::ostream* out) { *out << value.name; }
 
 /// Fixed joints before, inside and after the moving ones; a <joint> without <origin>; axes along no coordinate axis, negative, not unit.
 inline constexpr UrdfExample kSixJoints = {"six_joints", "base_link", "tool0"};

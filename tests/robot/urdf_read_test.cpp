@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <locale>
+#include <ostream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -90,14 +92,16 @@ TEST(Urdf, NumbersDoNotDependOnTheLocale) {
   struct DecimalComma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
   };
+  const std::string text = kSixJoints.text();
   const Arm expected = readUrdf(kSixJoints.file(), "base_link", "tool0");
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
   const Arm arm = readUrdf(kSixJoints.file(), "base_link", "tool0");
-  const std::string corrected = correctedUrdf(kSixJoints.file(), "base_link", "tool0", displaceTwists(arm, Eigen::VectorXd::Constant(24, 1e-3)));
+  const std::string corrected =
+      correctedUrdf(kSixJoints.file(), "base_link", "tool0", displaceTwists(arm, Eigen::VectorXd::Constant(24, 1e-3)));
   std::locale::global(before);
   EXPECT_EQ(arm.gamma, expected.gamma);
   EXPECT_EQ(arm.joints[0].limits->upper, 6.28);
-  EXPECT_EQ(corrected.find(','), kSixJoints.text().find(",")) << "no comma but those of the file";
+  EXPECT_EQ(std::count(corrected.begin(), corrected.end(), ','), std::count(text.begin(), text.end(), ','));
 }
 
 TEST(Urdf, EndsAreTheRootAndTheLinksWithoutJoints) {
@@ -123,6 +127,9 @@ struct BadUrdf {
   const char* tip_link;
   const char* message;
 };
+
+// Without it GoogleTest prints, and CTest lists, the bytes of the pointers.
+void PrintTo(const BadUrdf& value, std::ostream* out) { *out << value.what; }
 
 const BadUrdf kBadUrdfs[] = {
     {"Xml", "</robot>", "", "a", "c", "small.urdf:1: not valid XML"},

@@ -9,11 +9,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "board_folder.hpp"
 #include "commands.hpp"
 #include "poecal/camera/intrinsics.hpp"
-#include "poecal/core/csv.hpp"
-#include "poecal/core/text.hpp"
-#include "poecal/detection/board_pictures.hpp"
 
 namespace poecal::app {
 namespace {
@@ -43,25 +41,6 @@ Example:
     chessboard-12.jpg  0.199 px rms, 0.50 px at most
   camera-residuals.csv: every picture's residuals
 )";
-
-std::filesystem::path residualsFile(const std::filesystem::path& out) {
-  return out.parent_path() / (out.stem().string() + "-residuals.csv");
-}
-
-std::string residualsCsv(const IntrinsicsResult& result) {
-  CsvWriter csv({"image", "points", "rms_px", "max_px", "bad"});
-  for (const ViewResidual& view : result.views) {
-    csv.cell(view.image).cell(view.points);
-    // A picture that took no part has no residuals, which is not the same as none of any size.
-    if (view.used) {
-      csv.cell(view.rms_px).cell(view.max_px);
-    } else {
-      csv.cell("").cell("");
-    }
-    csv.cell(view.bad ? 1 : 0).endRow();
-  }
-  return csv.str();
-}
 
 /// The used pictures, the worst first.
 std::vector<const ViewResidual*> worstFirst(const IntrinsicsResult& result) {
@@ -119,17 +98,10 @@ nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& r
 }
 
 int run(const Arguments& arguments, const Common& common) {
-  DetectOptions detect_options;
-  detect_options.jobs = common.jobs;
   IntrinsicsOptions options;
   options.model = findDistortionModel(arguments.model).value();
   options.drop_bad = arguments.drop_bad;
-  const BoardPictures pictures = readBoardPictures(arguments.folder, detect_options);
-  for (const PictureNote& note : pictures.notes) warn(note.image + ": " + note.message);
-  const IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
-  for (const std::string& warning : result.warnings) warn(warning);
-  writeTextFile(residualsFile(arguments.out), residualsCsv(result));
-  writeTextFile(arguments.out, cameraYaml(result.chosen().camera));
+  const IntrinsicsResult result = calibrateBoardFolder(arguments.folder, options, common, arguments.out);
   printSummary(common, summaryText(arguments, result), summaryJson(arguments, result));
   return 0;
 }

@@ -72,6 +72,9 @@ SampleTable readSamples(const std::filesystem::path& file, int joint_count, cons
 /// Text of samples.csv; columns that no sample has are left out, cells that a sample has not are empty.
 std::string samplesCsv(const SampleTable& table);
 
+/// Reads a table of joint readings (q1..qn, and image where pictures are meant) for an arm; its other columns as samples.csv has them.
+std::vector<Sample> readJoints(const std::filesystem::path& file, const Arm& arm);
+
 /// One row of poses.csv: a measured pose, or a position alone.
 struct MeasuredPose {
   Sample sample;                                                        ///< its joints and optional columns

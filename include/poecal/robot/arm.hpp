@@ -91,6 +91,14 @@ std::vector<std::string> twistParameterNames(const Arm& arm);
 /// @param beta  twistParameterCount(nominal) values. @throws InvalidArgument if there are more or fewer.
 Arm displaceTwists(const Arm& nominal, const Eigen::VectorXd& beta);
 
+/// What tells two positions of one axis apart, whatever points name them.
+struct AxisOffset {
+  double tilt = 0.0;   ///< Angle between the directions [rad], 0..pi.
+  double shift = 0.0;  ///< Revolute: distance of the anchor of `from` to the axis of `to` [m]. Prismatic: 0, such an axis has no place.
+};
+
+AxisOffset axisOffset(const Joint& from, const Joint& to);
+
 /// Left derivative of T_base_flange (in base) by beta at displaceTwists(nominal, beta), 6 x twistParameterCount:
 ///   J_i = Ad(P[i-1]) (I - Ad(exp(xi_i q_i))) K(B_i beta_i) B_i      (Gao 2013, eq. 21)
 /// @param arm, chain  displaceTwists(nominal, beta) and its chain at q.

@@ -33,6 +33,9 @@ struct UrdfEnds {
 /// @throws FileError: unreadable URDF.
 UrdfEnds urdfEnds(const std::filesystem::path& file);
 
+/// Reads robot.yaml or, by its ending, a URDF, whose links must then be named. @throws FileError as the two readers; InvalidArgument where links are missing.
+Arm readArm(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link);
+
 /// Text of the URDF with the chain's joint origins (and, where it cannot be avoided, axes) changed so that its forward kinematics is that
 /// of `arm`; everything else in the file (comments, meshes, transmissions) stays. Joints are matched by order along the chain.
 /// Where the tip link hangs directly on the last moving joint and its frame must leave the joint's axis, a link and a fixed joint are added

@@ -1,0 +1,45 @@
+#include "board_folder.hpp"
+
+#include "inputs.hpp"
+#include "poecal/core/csv.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/detection/board_pictures.hpp"
+
+namespace poecal::app {
+namespace {
+
+std::string residualsCsv(const IntrinsicsResult& result) {
+  CsvWriter csv({"image", "points", "rms_px", "max_px", "bad"});
+  for (const ViewResidual& view : result.views) {
+    csv.cell(view.image).cell(view.points);
+    // A picture that took no part has no residuals, which is not the same as none of any size.
+    if (view.used) {
+      csv.cell(view.rms_px).cell(view.max_px);
+    } else {
+      csv.cell("").cell("");
+    }
+    csv.cell(view.bad ? 1 : 0).endRow();
+  }
+  return csv.str();
+}
+
+}  // namespace
+
+std::filesystem::path residualsFile(const std::filesystem::path& camera_file) {
+  return camera_file.parent_path() / (camera_file.stem().string() + "-residuals.csv");
+}
+
+IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const IntrinsicsOptions& options, const Common& common,
+                                      const std::filesystem::path& camera_file) {
+  DetectOptions detect_options;
+  detect_options.jobs = common.jobs;
+  const BoardPictures pictures = readBoardPictures(folder, detect_options);
+  warnAll(describe(pictures.notes));
+  IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
+  warnAll(result.warnings);
+  writeTextFile(residualsFile(camera_file), residualsCsv(result));
+  writeTextFile(camera_file, cameraYaml(result.chosen().camera));
+  return result;
+}
+
+}  // namespace poecal::app

@@ -1,0 +1,113 @@
+// poecal export: the calibrated arm of a model.yaml, put into the URDF it came from.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "core/yaml.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/robot/robot_file.hpp"
+#include "robot/robot_yaml.hpp"
+
+namespace poecal::app {
+namespace {
+
+struct ExportOptions {
+  std::filesystem::path model;
+  std::filesystem::path urdf;
+  std::filesystem::path out;
+  std::string base_link;  ///< Empty: as the model says, otherwise the URDF's root.
+  std::string tip_link;   ///< Empty: as the model says, otherwise the URDF's only leaf.
+};
+
+/// What the model says about the URDF it was read from, at `source:` or at its top level; empty where it says nothing.
+std::string linkOfModel(const YamlNode& model, const char* key) {
+  const auto source = model.find("source");
+  const auto link = source && source->isMap() && source->has(key) ? source->find(key) : model.find(key);
+  return link ? link->text() : "";
+}
+
+void chooseLinks(ExportOptions& options, const YamlNode& model) {
+  if (options.base_link.empty()) options.base_link = linkOfModel(model, "base_link");
+  if (options.tip_link.empty()) options.tip_link = linkOfModel(model, "tip_link");
+  if (!options.base_link.empty() && !options.tip_link.empty()) return;
+  const UrdfEnds ends = urdfEnds(options.urdf);
+  if (options.base_link.empty()) options.base_link = ends.root;
+  if (!options.tip_link.empty()) return;
+  if (ends.leaves.size() != 1) {
+    throw InvalidArgument(
+        fmt::format("{} has {} chains, expected --tip-link to name the end of the arm, one of their ends ({}) or a link before",
+                    options.urdf.string(), ends.leaves.size(), fmt::join(ends.leaves, ", ")));
+  }
+  options.tip_link = ends.leaves.front();
+}
+
+void warnOfEffects(const YamlNode& model) {
+  const auto effects = model.find("effects");
+  if (!effects || !effects->isSequence()) return;
+  for (const YamlNode& effect : effects->items()) {
+    warn(fmt::format("effect {} at {} stays behind: a URDF holds geometry alone", effect["effect"].text(), effect["location"].text()));
+  }
+}
+
+void summarise(const Common& common, const ExportOptions& options, const Arm& nominal, const Arm& calibrated) {
+  std::string text = fmt::format("{}: {} joints from {} to {}\n{:20} {:>10} {:>12}\n", options.out.string(), calibrated.jointCount(),
+                                 options.base_link, options.tip_link, "joint", "shift [mm]", "tilt [mrad]");
+  nlohmann::json joints = nlohmann::json::array();
+  for (std::size_t k = 0; k < calibrated.joints.size(); ++k) {
+    const AxisOffset offset = axisOffset(nominal.joints[k], calibrated.joints[k]);
+    text += fmt::format("{:20} {:>10.3f} {:>12.3f}\n", nominal.joints[k].name, 1e3 * offset.shift, 1e3 * offset.tilt);
+    joints.push_back({{"name", nominal.joints[k].name}, {"shift", offset.shift}, {"tilt", offset.tilt}});
+  }
+  printSummary(common, text,
+               {{"urdf", options.out.string()}, {"base_link", options.base_link}, {"tip_link", options.tip_link}, {"joints", joints}});
+}
+
+int runExport(ExportOptions options, const Common& common) {
+  const YamlNode model = YamlNode::load(options.model);
+  model.checkFormat("poecal-model/1");
+  const Arm calibrated = readRobotMap(model["robot"]);
+  chooseLinks(options, model);
+  for (const std::filesystem::path& input : {options.model, options.urdf}) {
+    std::error_code out_is_not_there;
+    if (std::filesystem::equivalent(input, options.out, out_is_not_there)) {
+      throw InvalidArgument(fmt::format("--out {} is an input itself, expected another file", options.out.string()));
+    }
+  }
+  warnOfEffects(model);
+  const Arm nominal = readUrdf(options.urdf, options.base_link, options.tip_link);
+  writeTextFile(options.out, correctedUrdf(options.urdf, options.base_link, options.tip_link, calibrated));
+  summarise(common, options, nominal, calibrated);
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> setUpExport(CLI::App& app, const Common& common) {
+  const auto options = std::make_shared<ExportOptions>();
+  app.add_option("model", options->model, "model.yaml of an identification")->required()->option_text("MODEL.yaml");
+  app.add_option("--urdf", options->urdf, "The URDF to correct; it stays as it is")->required()->option_text("FILE");
+  app.add_option("--out", options->out, "The corrected URDF")->required()->option_text("FILE");
+  app.add_option("--base-link", options->base_link, "Where the arm begins (default: as the model says, or the root)")->option_text("LINK");
+  app.add_option("--tip-link", options->tip_link, "Where it ends, the flange (default: as the model says, or the only leaf)")
+      ->option_text("LINK");
+  app.footer(
+      "$ poecal export out/model.yaml --urdf scara.urdf --out calibrated.urdf\n"
+      "calibrated.urdf: 4 joints from base to quill\n"
+      "joint                shift [mm]  tilt [mrad]\n"
+      "shoulder                  0.361        0.000\n"
+      "elbow                     0.700        2.000\n"
+      "turn                      0.000        0.000\n"
+      "lift                      0.000        0.000\n"
+      "shift: from the old origin to the new axis; tilt: between old and new axis.");
+  return [options, &common] { return runExport(*options, common); };
+}
+
+}  // namespace poecal::app

@@ -1,0 +1,15 @@
+// The corners of a whole capture: its target and, where it has one, its reference.
+#pragma once
+
+#include "poecal/capture/capture.hpp"
+#include "poecal/detection/detector.hpp"
+
+namespace poecal {
+
+/// detect() for every sample's picture. Corners of the reference stand beside the target's; their names differ, which readCapture sees to.
+/// Where the capture has a camera, pictures of another size fail. Notes that only concern the reference begin with "reference: ".
+/// @param options  expected sizes and other_tags are filled in from the capture.
+/// @throws as detect().
+DetectResult detectCapture(const Capture& capture, DetectOptions options);
+
+}  // namespace poecal

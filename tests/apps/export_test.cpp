@@ -1,0 +1,112 @@
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "poecal/robot/robot_file.hpp"
+#include "robot/robot_yaml.hpp"
+#include "robot/urdf_examples.hpp"
+#include "support/matchers.hpp"
+#include "support/program.hpp"
+#include "support/random.hpp"
+#include "support/temp_folder.hpp"
+
+namespace poecal {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kSamePose = 1e-13;  // two texts of 17 digits and a chain of ten poses
+
+// A folder with arm.urdf and the model.yaml of an arm that is a little off.
+class Export : public ::testing::Test {
+ protected:
+  Export() { place(test::kSevenJoints, ""); }
+
+  void place(const test::UrdfExample& example, const std::string& more_of_model) {
+    folder_.write("arm.urdf", example.text());
+    Rng rng = test::rngOfThisTest();
+    const Arm nominal = readUrdf(example.file(), example.base_link, example.tip_link);
+    arm_ = displaceTwists(nominal, test::uniformVector(rng, twistParameterCount(nominal), 2e-3));
+    folder_.write("model.yaml", "format: poecal-model/1\n" + more_of_model + "robot:\n" + robotMapYaml(arm_, 2) + "camera: {}\n");
+  }
+  test::ProgramRun run(const std::string& options = "") {
+    return test::runProgram(folder_.path(), "export model.yaml --urdf arm.urdf --out out/calibrated.urdf " + options);
+  }
+  void expectExported(const char* base_link, const char* tip_link) {
+    const Arm exported = readUrdf(folder_.path() / "out/calibrated.urdf", base_link, tip_link);
+    for (std::size_t k = 0; k < arm_.joints.size(); ++k) EXPECT_THAT(exported.joints[k].xi, test::IsNear(arm_.joints[k].xi, kSamePose));
+    EXPECT_THAT(exported.gamma, test::IsNear(arm_.gamma, kSamePose));
+  }
+
+  test::TempFolder folder_;
+  Arm arm_;
+};
+
+TEST_F(Export, OnlyChainOfTheUrdfNeedsNoNames) {
+  const test::ProgramRun result = run();
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("7 joints from link_0 to link_7"));
+  EXPECT_THAT(result.err, IsEmpty());
+  expectExported("link_0", "link_7");
+  EXPECT_EQ(readTextFile(folder_.path() / "arm.urdf"), test::kSevenJoints.text()) << "the input stays";
+}
+
+TEST_F(Export, JsonSaysHowFarEachAxisMoved) {
+  const test::ProgramRun result = run("--json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const nlohmann::json summary = nlohmann::json::parse(result.out);
+  const Arm nominal = readUrdf(test::kSevenJoints.file(), "link_0", "link_7");
+  ASSERT_EQ(summary["joints"].size(), 7u);
+  EXPECT_EQ(summary["joints"][3]["name"], "joint_4");
+  EXPECT_NEAR(summary["joints"][3]["tilt"].get<double>(), axisOffset(nominal.joints[3], arm_.joints[3]).tilt, kSamePose);
+  EXPECT_NEAR(summary["joints"][3]["shift"].get<double>(), axisOffset(nominal.joints[3], arm_.joints[3]).shift, kSamePose);
+}
+
+TEST_F(Export, ModelNamesTheLinks) {
+  place(test::kSixJoints, "source: {urdf: arm.urdf, base_link: base_link, tip_link: tool0}\n");
+  EXPECT_EQ(run().status, 0);
+  expectExported("base_link", "tool0");
+  place(test::kSixJoints, "tip_link: tool0\n");
+  EXPECT_EQ(run().status, 0);
+  expectExported("base_link", "tool0");
+}
+
+TEST_F(Export, OptionsGoBeforeTheModel) {
+  place(test::kSixJoints, "source: {urdf: arm.urdf, base_link: base_link, tip_link: finger}\n");
+  EXPECT_EQ(run("--tip-link tool0").status, 0);
+  expectExported("base_link", "tool0");
+}
+
+TEST_F(Export, SaysWhichOptionIsNeeded) {
+  place(test::kSixJoints, "");
+  const test::ProgramRun result = run();
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("poecal: error: arm.urdf has 2 chains, expected --tip-link"));
+  EXPECT_THAT(result.err, HasSubstr("finger, other_finger"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/calibrated.urdf"));
+}
+
+TEST_F(Export, WarnsOfEffectsThatAUrdfCannotHold) {
+  place(test::kSevenJoints, "effects: [{effect: joint_backlash, location: \"joint:2\", parameters: {half_gap: 1.0e-4}}]\n");
+  const test::ProgramRun result = run("--quiet");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_EQ(result.err, "poecal: warning: effect joint_backlash at joint:2 stays behind: a URDF holds geometry alone\n");
+}
+
+TEST_F(Export, RefusesToReplaceAnInput) {
+  const test::ProgramRun result = test::runProgram(folder_.path(), "export model.yaml --urdf arm.urdf --out ./arm.urdf");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("--out ./arm.urdf is an input itself"));
+  EXPECT_EQ(readTextFile(folder_.path() / "arm.urdf"), test::kSevenJoints.text());
+}
+
+TEST_F(Export, BadInputIsStatusThreeWithItsPlace) {
+  folder_.write("model.yaml", "format: poecal-model/1\nrobot:\n  joints: []\n");
+  const test::ProgramRun result = run();
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("poecal: error: model.yaml:3: "));
+}
+
+}  // namespace
+}  // namespace poecal

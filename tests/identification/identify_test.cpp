@@ -1,0 +1,227 @@
+#include "poecal/identification/identify.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "poecal/core/error.hpp"
+#include "poecal/core/statistics.hpp"
+#include "poecal/simulation/simulate.hpp"
+#include "support/matchers.hpp"
+#include "support/random.hpp"
+#include "support/temp_folder.hpp"
+
+namespace poecal {
+namespace {
+
+/// A scene of calib_data with other errors and poses for each seed, as observations and as truth.
+struct Simulated {
+  Cell truth;
+  Cell nominal;
+  Target target;
+  std::vector<Observation> calibration, unseen;
+};
+
+constexpr double kSigma = 0.1;
+
+std::vector<Observation> observe(const Scene& scene, std::uint64_t seed, int count, double sigma) {
+  Scene drawn = scene;
+  drawn.seed = seed;
+  drawn.count = count;
+  drawn.repeats = 1;
+  const SampleTable samples = drawSamples(drawn);
+  Detections detections;
+  detections.images = trueCorners(drawn, samples);
+  Rng rng(seed, 99);
+  for (ImageCorners& image : detections.images) {
+    for (Corner& corner : image.corners) {
+      corner.px += sigma * Eigen::Vector2d(rng.normal(), rng.normal());
+      corner.sigma = kSigma;
+    }
+  }
+  return cornerObservations(samples, detections, scene.target);
+}
+
+Simulated simulated(const std::string& name, std::uint64_t seed, int poses, int unseen) {
+  Scene scene = readScene(std::filesystem::path(POECAL_SOURCE_DIR) / "calib_data" / name / "scene-corners.yaml");
+  Rng rng(seed, 7);
+  Eigen::VectorXd beta(twistParameterCount(scene.nominal));
+  int column = 0;
+  for (const Joint& joint : scene.nominal.joints) {
+    for (int k = 0; k < twistParameterCount(joint); ++k) beta(column++) = (k < 2 ? 2e-3 : 6e-4) * rng.normal();
+  }
+  scene.actual = displaceTwists(scene.nominal, beta);
+  Simulated result;
+  result.truth.arm = scene.actual;
+  result.truth.camera = scene.camera;
+  result.truth.registration = scene.registration;
+  result.nominal = result.truth;
+  result.nominal.arm = scene.nominal;
+  result.nominal.registration = Registration{};
+  result.nominal.registration.setup = scene.registration.setup;
+  result.target = scene.target;
+  result.calibration = observe(scene, 1000 + seed, poses, kSigma);
+  if (unseen > 0) result.unseen = observe(scene, 5000 + seed, unseen, 0.0);
+  return result;
+}
+
+std::vector<std::vector<std::size_t>> eachAlone(const std::vector<Observation>& observations) {
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t k = 0; k < observations.size(); ++k) groups.push_back({k});
+  return groups;
+}
+
+/// Bundle without held-out poses and with the camera as it is.
+IdentifyOptions plainBundle() {
+  IdentifyOptions options;
+  options.hold_out_every = 0;
+  options.camera = CameraChoice::kStated;
+  return options;
+}
+
+class BundleOf : public ::testing::TestWithParam<const char*> {};
+
+// 20 seeds, 60 poses at 0.1 px: errors at unseen poses against what the covariance predicts for them, and the noise against what it was.
+TEST_P(BundleOf, ErrorsAtUnseenPosesAreThoseThatTheCovariancePredicts) {
+  constexpr int kSeeds = 20;
+  double predicted = 0.0, seen = 0.0;
+  std::vector<double> reduced;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const Simulated data = simulated(GetParam(), seed, 60, 30);
+    const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+    reduced.push_back(found.reduced_chi_square);
+    for (const Observation& observation : data.unseen) {
+      const Eigen::Isometry3d T_true = data.truth.registration.cameraTarget(modelFlange(data.truth, observation));
+      const Eigen::Isometry3d T_model = found.model.cell.registration.cameraTarget(modelFlange(found.model.cell, observation));
+      const Matrix6d covariance = targetPoseCovariance(found.adjustment, found.start, found.free, observation);
+      // Position of the target in the camera frame: left perturbation (w; v) moves it by v + w x t.
+      Eigen::Matrix<double, 3, 6> D;
+      D << -hat(T_true.translation()), Eigen::Matrix3d::Identity();
+      predicted += (D * covariance * D.transpose()).trace();
+      seen += (T_model.translation() - T_true.translation()).squaredNorm();
+    }
+  }
+  EXPECT_NEAR(std::sqrt(seen / predicted), 1.0, 0.10) << "rms error / predicted";
+  EXPECT_GT(*std::min_element(reduced.begin(), reduced.end()), 0.7);
+  EXPECT_GT(mean(reduced), 0.95);
+  EXPECT_LT(mean(reduced), 1.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, BundleOf, ::testing::Values("puma560", "cobot6", "arm7", "scara"));
+
+TEST(Identify, AFifthOfWrongRowsIsListedAndDoesNotMoveTheModel) {
+  Simulated data = simulated("cobot6", 3, 60, 0);
+  const Identification clean = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+  Rng rng = test::rngOfThisTest();
+  std::vector<std::size_t> wrong;
+  for (std::size_t k = 0; k < data.calibration.size(); k += 5) {
+    wrong.push_back(data.calibration[k].sample);
+    if (k % 2 == 0) {
+      data.calibration[k].q = data.calibration[(k + 7) % data.calibration.size()].q;  // another row's joints
+    } else {
+      for (CornerMeasurement& corner : data.calibration[k].corners) corner.px += Eigen::Vector2d(rng.uniform(-60, 60), rng.uniform(-60, 60));
+    }
+  }
+  const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+  std::vector<std::size_t> left_out;
+  for (const SuspectRow& row : found.suspects) {
+    if (row.left_out) left_out.push_back(row.sample);
+  }
+  EXPECT_THAT(left_out, ::testing::IsSupersetOf(wrong));
+  EXPECT_LE(left_out.size(), wrong.size() + 1);
+  const Eigen::VectorXd moved = (found.adjustment.beta - clean.adjustment.beta).cwiseAbs();
+  const Eigen::VectorXd deviation = found.parameter_deviation.head(moved.size());
+  EXPECT_TRUE((moved.array() < 2.0 * deviation.array()).all()) << (moved.array() / deviation.array()).transpose();
+}
+
+TEST(Identify, AllThreeMethodsAgreeAndHoldTheJointConstraints) {
+  const Simulated data = simulated("cobot6", 4, 60, 40);
+  double rms[3];
+  int next = 0;
+  for (const Method method : {Method::kBundle, Method::kWeighted, Method::kGao}) {
+    IdentifyOptions options = plainBundle();
+    options.method = method;
+    const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
+    for (const Joint& joint : found.model.cell.arm->joints) {
+      EXPECT_NEAR(joint.xi.head<3>().norm(), 1.0, 1e-12);
+      EXPECT_NEAR(joint.xi.head<3>().dot(joint.xi.tail<3>()), 0.0, 1e-12);
+    }
+    ErrorCollector errors;
+    for (const Observation& observation : data.unseen) errors.add(found.model.cell, observation, nullptr);
+    rms[next++] = errors.summary().px.rms;
+  }
+  ErrorCollector before;
+  Cell registered = registerCell(data.nominal, data.calibration, {}).cell;
+  for (const Observation& observation : data.unseen) before.add(registered, observation, nullptr);
+  EXPECT_LT(rms[0], 0.1);                              // below the noise of one corner
+  EXPECT_LT(rms[1], 2.0 * rms[0]);                     // poses carry nearly all that the corners know
+  EXPECT_LT(rms[2], 0.5 * before.summary().px.rms);    // unweighted still beats no identification
+}
+
+TEST(Identify, HeldOutPosesFallFromRungToRung) {
+  const Simulated data = simulated("arm7", 5, 60, 0);
+  IdentifyOptions options;
+  options.camera = CameraChoice::kStated;
+  const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
+  ASSERT_EQ(found.stages.size(), 3u);
+  EXPECT_EQ(found.held_out_poses, 12);
+  EXPECT_LT(found.stages[2].held_out.px.rms, 0.2 * found.stages[1].held_out.px.rms);
+  EXPECT_LE(found.stages[1].held_out.px.rms, 1.2 * found.stages[0].held_out.px.rms);
+}
+
+TEST(Identify, AStillJointIsAnErrorByName) {
+  Simulated data = simulated("cobot6", 6, 40, 0);
+  for (Observation& observation : data.calibration) observation.q(3) = 0.25;
+  EXPECT_THAT([&] { identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle()); },
+              ::testing::ThrowsMessage<InsufficientData>(::testing::HasSubstr("joint 4")));
+}
+
+TEST(Identify, TooFewPosesSaysHowManyAreNeeded) {
+  Simulated data = simulated("cobot6", 6, 4, 0);
+  EXPECT_THAT([&] { identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle()); },
+              ::testing::ThrowsMessage<InsufficientData>(::testing::HasSubstr("take at least 7 poses")));
+}
+
+TEST(Identify, JointsInDegreesAreSuspected) {
+  Simulated data = simulated("cobot6", 7, 40, 0);
+  for (Observation& observation : data.calibration) observation.q *= 180.0 / M_PI;
+  EXPECT_THAT([&] { identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle()); },
+              ::testing::ThrowsMessage<ImplausibleInput>(::testing::HasSubstr("degrees")));
+}
+
+TEST(Identify, AWrongLensIsSaidAndARightOneIsNot) {
+  Simulated data = simulated("cobot6", 8, 60, 0);
+  IdentifyOptions options;
+  const Identification right = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
+  EXPECT_FALSE(right.camera_refitted);
+  data.nominal.camera->distortion.setZero();
+  const Identification wrong = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
+  EXPECT_TRUE(wrong.camera_refitted);
+  EXPECT_THAT(wrong.warnings, ::testing::Contains(::testing::HasSubstr("the stated lens is wrong")));
+  EXPECT_NEAR(wrong.model.cell.camera->distortion(0), data.truth.camera->distortion(0), 5.0 * wrong.model.cell.camera->standard_deviation(4));
+}
+
+TEST(Identify, ModelFileReadsBackAsTheSameModel) {
+  const Simulated data = simulated("scara", 9, 40, 5);
+  Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+  found.model.target = data.target;
+  const test::TempFolder folder;
+  const Model model = readModel(folder.write("model.yaml", modelYaml(found.model)));
+  for (const Observation& observation : data.unseen) {
+    const auto expected = found.model.cell.registration.cameraTarget(modelFlange(found.model.cell, observation));
+    EXPECT_THAT(model.cell.registration.cameraTarget(modelFlange(model.cell, observation)), test::PoseIsNear(expected, 1e-13));
+  }
+  EXPECT_EQ(model.cell.camera->parameters(), found.model.cell.camera->parameters());
+}
+
+TEST(Identify, ReportIsJsonWithEveryPartOfTheContract) {
+  const Simulated data = simulated("puma560", 10, 40, 0);
+  const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+  std::vector<Sample> samples(data.calibration.size());
+  const nlohmann::json json = nlohmann::json::parse(identificationJson(found, samples));
+  EXPECT_EQ(json["joints"].size(), 6u);
+  EXPECT_EQ(json["observability"]["rank"], 6 * 4 + 12);
+  for (const char* key : {"iterations", "gamma", "residuals", "noise", "stages", "suspects"}) EXPECT_TRUE(json.contains(key)) << key;
+}
+
+}  // namespace
+}  // namespace poecal
