@@ -65,7 +65,7 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
                  {{"pictures", counts.pictures},
                   {"pictures_with_corners", counts.with_corners},
                   {"corners", counts.corners},
-                  {"warnings", notes},
+                  {"warnings", describe(result.notes)},
                   {"file", options->out.string()}});
     return 0;
   };
