@@ -52,7 +52,8 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
     const Capture capture = readCapture(options->capture);
     options->detect.jobs = common.jobs;
     const DetectResult result = detectCapture(capture, options->detect);
-    warnAll(describe(result.notes));
+    const std::vector<std::string> notes = describe(result.notes);
+    warnAll(notes);
     const Counts counts = count(result.detections, capture.target);
     if (counts.corners == 0) {
       throw InsufficientData(
