@@ -1,7 +1,7 @@
 #include "architecture/source_rules.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <functional>
 #include <optional>
 #include <set>
@@ -80,18 +80,18 @@ std::string faultOf(const std::string& name, bool in_public_header, const std::s
 
 std::string withoutComment(const std::string& line) { return line.substr(0, line.find("//")); }
 
-/// A library's namespace that `code` names, or empty.
-std::string foreignNameIn(std::string code) {
-  // cv::Mat is how pictures enter; it needs no header of OpenCV.
-  for (const std::string allowed : {"namespace cv { class Mat; }", "cv::Mat&", "cv::Mat "}) {
-    for (std::size_t at = code.find(allowed); at != std::string::npos; at = code.find(allowed)) code.erase(at, allowed.size());
-  }
-  for (const std::string name : {"cv", "YAML", "ceres", "nlohmann", "fmt", "urdf", "tinyxml2", "tbb", "boost"}) {
-    for (const std::string& use : {name + "::", "namespace " + name}) {
-      const std::size_t at = code.find(use);
-      if (at == std::string::npos) continue;
-      const bool whole_word = at == 0 || !(std::isalnum(static_cast<unsigned char>(code[at - 1])) || code[at - 1] == '_');
-      if (whole_word) return name;
+bool isPartOfAName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+
+/// A library's namespace that `code` names, or empty. cv::Mat is how pictures enter; it needs no header of OpenCV.
+std::string foreignNameIn(const std::string& code) {
+  constexpr std::string_view kPicture = "cv::Mat";
+  for (const char* name : {"cv", "YAML", "ceres", "nlohmann", "fmt", "urdf", "tinyxml2", "tbb", "boost"}) {
+    const std::string use = std::string(name) + "::";
+    for (std::size_t at = code.find(use); at != std::string::npos; at = code.find(use, at + 1)) {
+      if (at > 0 && isPartOfAName(code[at - 1])) continue;
+      const std::size_t end = at + kPicture.size();
+      const bool picture = code.compare(at, kPicture.size(), kPicture) == 0 && (end == code.size() || !isPartOfAName(code[end]));
+      if (!picture) return name;
     }
   }
   return "";
