@@ -54,11 +54,8 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
     const DetectResult result = detectCapture(capture, options->detect);
     const std::vector<std::string> notes = describe(result.notes);
     warnAll(notes);
+    requireTarget(capture, result);
     const Counts counts = count(result.detections, capture.target);
-    if (counts.corners == 0) {
-      throw InsufficientData(
-          fmt::format("{}: the target was found in none of the {} pictures", options->capture.string(), counts.pictures));
-    }
     writeTextFile(options->out, detectionsCsv(result.detections));
     printSummary(common,
                  fmt::format("{} of {} pictures show the target, {} corners in {}\n", counts.with_corners, counts.pictures, counts.corners,
