@@ -101,7 +101,7 @@ void evaluatePoseUnit(const PoseMeasurement& pose, const Eigen::Isometry3d& T_ca
   const int skipped = pose.position_only ? 3 : 0;
   rows.r = (pose.whitening * e).tail(6 - skipped);
   rows.H = (pose.whitening * D).bottomRows(6 - skipped);
-  rows.valid[0] = true;
+  rows.valid[0] = !pose.whitening.isZero(0.0);  // a pose of no weight is none
 }
 
 }  // namespace

@@ -6,21 +6,15 @@
 
 #include "detection/corner_finder.hpp"
 #include "detection/subpixel.hpp"
-#include "target/names.hpp"
+#include "detection/tag_family.hpp"
 
 namespace poecal {
 namespace {
 
-cv::Ptr<cv::aruco::Dictionary> dictionaryOf(const std::string& name) {
-  // The names stand in the order of OpenCV's enumeration.
-  const IdSet& set = findIdSet(markerDictionaries(), name, "dictionary");
-  return cv::aruco::getPredefinedDictionary(static_cast<int>(&set - markerDictionaries().data()));
-}
-
 class CharucoFinder : public CornerFinder {
  public:
   explicit CharucoFinder(const Target& target)
-      : dictionary_(dictionaryOf(target.dictionary)),
+      : dictionary_(makeMarkerDictionary(target.dictionary)),
         margin_((target.square - target.marker) / (2.0 * target.marker)),
         board_(cv::aruco::CharucoBoard::create(target.cols, target.rows, static_cast<float>(target.square),
                                                static_cast<float>(target.marker), dictionary_)),

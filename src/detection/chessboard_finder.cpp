@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
@@ -7,6 +6,7 @@
 
 #include "detection/corner_finder.hpp"
 #include "detection/subpixel.hpp"
+#include "poecal/core/statistics.hpp"
 
 namespace poecal {
 namespace {
@@ -21,8 +21,8 @@ class ChessboardFinder : public CornerFinder {
     if (!cv::findChessboardCorners(grey, size_, corners, kFlags)) {
       return {{}, {fmt::format("no chessboard of {} x {} inner corners was found", size_.width, size_.height)}};
     }
-    // The next corner's edges would pull; 0.4 of a side stays clear of them and of their blur.
-    refineSaddles(grey, corners, 0.4 * shortestSide(corners));
+    // Half a typical side keeps most of each window clear of the next corner, and the customary 11 px wherever squares allow it.
+    refineSaddles(grey, corners, 0.5 * typicalSide(corners));
     if (colourTellsEnds() && !firstSquareIsDark(grey, corners)) std::reverse(corners.begin(), corners.end());
     Finding finding;
     for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -36,16 +36,16 @@ class ChessboardFinder : public CornerFinder {
     return corners[static_cast<std::size_t>(row * size_.width + col)];
   }
 
-  /// Of the squares [px].
-  double shortestSide(const std::vector<cv::Point2f>& corners) const {
-    double shortest = std::numeric_limits<double>::infinity();
+  /// Median side of the squares [px].
+  double typicalSide(const std::vector<cv::Point2f>& corners) const {
+    std::vector<double> sides;
     for (int row = 0; row < size_.height; ++row) {
       for (int col = 0; col < size_.width; ++col) {
-        if (col > 0) shortest = std::min(shortest, cv::norm(at(corners, col, row) - at(corners, col - 1, row)));
-        if (row > 0) shortest = std::min(shortest, cv::norm(at(corners, col, row) - at(corners, col, row - 1)));
+        if (col > 0) sides.push_back(cv::norm(at(corners, col, row) - at(corners, col - 1, row)));
+        if (row > 0) sides.push_back(cv::norm(at(corners, col, row) - at(corners, col, row - 1)));
       }
     }
-    return shortest;
+    return median(std::move(sides));
   }
 
   /// With an odd and an even number of corners half a turn of the board swaps black and white.

@@ -20,9 +20,6 @@ struct TagDetection {
   double longestSide() const;
 };
 
-/// Reading errors that a family's codes allow to be corrected without taking clutter for tags (and without tables of gigabytes).
-int correctableBits(const std::string& family);
-
 class TagDetector {
  public:
   /// @throws InvalidArgument for an unknown family.

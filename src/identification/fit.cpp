@@ -39,6 +39,7 @@ MethodFit fitGao(const Cell& registered, const std::vector<Observation>& flange)
   std::vector<Eigen::Isometry3d> poses;
   for (const Observation& observation : flange) {
     if (observation.pose->position_only) throw InvalidArgument("gao needs whole poses; positions alone go with weighted or bundle");
+    if (observation.pose->whitening.isZero(0.0)) continue;  // its corners gave no pose
     q.push_back(observation.q);
     poses.push_back(observation.pose->T_camera_target);
   }

@@ -41,7 +41,7 @@ GaoResult gao(const Arm& nominal, const std::vector<Eigen::VectorXd>& q, const s
   result.residuals.push_back(rmsOfRows(rows));
   const int twists = twistParameterCount(nominal);
   Eigen::VectorXd scale;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr(rows.L.rows(), rows.L.cols());
   for (int iteration = 0; iteration <= options.max_iterations; ++iteration) {
     scale = rows.L.colwise().norm().transpose().unaryExpr([](double n) { return n > 0.0 ? 1.0 / n : 1.0; });
     qr.setThreshold(1e-10);

@@ -8,6 +8,7 @@
 #include "detection/picture.hpp"
 #include "detection/rendering.hpp"
 #include "detection/tag_detector.hpp"
+#include "detection/tag_family.hpp"
 #include "poecal/core/csv.hpp"
 #include "poecal/core/error.hpp"
 #include "support/random.hpp"

@@ -104,6 +104,30 @@ TEST_F(Detector, PicturesOfAFolderAreSortedByName) {
   EXPECT_THROW(listPictures(folder_.path() / "none"), FileError);
 }
 
+TEST_F(Detector, AReferenceInViewStandsBesideTheTarget) {
+  cv::Mat picture(120, 240, CV_8UC1, cv::Scalar(255));
+  for (const auto& [id, x] : {std::pair(7, 60.0), std::pair(9, 180.0)}) {
+    const test::TagTexture tag = test::tagTexture("tag36h11", id);
+    test::drawTexture(picture, tag.texture, tag.corners, test::tiltedSquare({x, 60}, 60.0, 0.1, 0.1));
+  }
+  cv::imwrite((folder_.path() / "a.png").string(), picture);
+  Capture capture;
+  capture.folder = folder_.path();
+  capture.target = target_;
+  capture.reference = apriltagTarget("tag36h11", {{9, 0.08, Eigen::Isometry3d::Identity()}});
+  for (const char* image : {"a.png", "missing.png"}) {
+    Sample sample;
+    sample.image = image;
+    capture.table.samples.push_back(sample);
+  }
+  const DetectResult result = detectCapture(capture, {});
+  ASSERT_EQ(result.detections.images[0].corners.size(), 8u);
+  EXPECT_EQ(result.detections.images[0].corners[0].id, (PointId{7, 0}));
+  EXPECT_EQ(result.detections.images[0].corners[7].id, (PointId{9, 3}));
+  ASSERT_EQ(result.notes.size(), 1u) << "what fails for both is said once";
+  EXPECT_EQ(result.notes[0].message, "no such file");
+}
+
 TEST(DetectorReal, ASingleTagIsFoundInEveryPicture) {
   POECAL_REQUIRE_REAL("panda-apriltag");
   const std::filesystem::path folder = test::realFolder() / "panda-apriltag";

@@ -58,7 +58,8 @@ INSTANTIATE_TEST_SUITE_P(Pattern, TagFamilies, testing::Values("tag36h11", "tag2
 TEST(Pattern, CharucoIsTheBoardThatOpenCvDraws) {
   constexpr int kCols = 5, kRows = 4, kPixelsOfSquare = 64, kPixelsOfMarker = 48;
   const Target target = charucoTarget(kCols, kRows, 0.04, 0.03, "DICT_5X5_100");
-  const auto board = cv::aruco::CharucoBoard::create(kCols, kRows, 0.04F, 0.03F, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100));
+  const auto board =
+      cv::aruco::CharucoBoard::create(kCols, kRows, 0.04F, 0.03F, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100));
   cv::Mat drawn;
   board->draw(cv::Size(kCols * kPixelsOfSquare, kRows * kPixelsOfSquare), drawn, 0, 1);
   const PrintedFace face = printedFaces(target).front();
