@@ -11,7 +11,6 @@ apps/install-dependencies.sh
 launcher=()
 if command -v ccache >/dev/null; then
   launcher=(-D CMAKE_CXX_COMPILER_LAUNCHER=ccache)
-  export CCACHE_SLOPPINESS=pch_defines,time_macros  # without these ccache passes over all that uses a precompiled header
 fi
 cmake --preset "$preset" "${launcher[@]}"
 targets=()

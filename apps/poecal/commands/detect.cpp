@@ -31,6 +31,12 @@ Counts count(const Detections& detections, const Target& target) {
   return counts;
 }
 
+constexpr const char* kExample = R"(
+Example:
+  $ poecal detect capture --out detections.csv
+  60 of 60 pictures show the target, 240 corners in detections.csv
+)";
+
 }  // namespace
 
 std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
@@ -44,10 +50,7 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
   app.add_option("--quad-decimate", options->detect.quad_decimate,
                  "Look for tags in pictures this much smaller first; edges are refined in the full ones")
       ->capture_default_str();
-  app.footer(
-      "Example:\n"
-      "  $ poecal detect panda-apriltag --out detections.csv\n"
-      "  8 of 8 pictures show the target, 32 corners in detections.csv");
+  app.footer(kExample);
   return [options, &common] {
     const Capture capture = readCapture(options->capture);
     options->detect.jobs = common.jobs;
