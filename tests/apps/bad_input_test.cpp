@@ -293,7 +293,7 @@ struct BadPicture {
 void PrintTo(const BadPicture& mistake, std::ostream* stream) { *stream << mistake.name; }
 
 const BadPicture kBadPictures[] = {
-    {"Missing", [](const fs::path& picture) { fs::remove(picture); }, "not there"},
+    {"Missing", [](const fs::path& picture) { fs::remove(picture); }, "no such file"},
     {"Truncated", [](const fs::path& picture) { fs::resize_file(picture, fs::file_size(picture) / 2); }, "cut short"},
     {"OfAnotherSize",
      [](const fs::path& picture) {

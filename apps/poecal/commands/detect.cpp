@@ -5,7 +5,6 @@
 
 #include "commands.hpp"
 #include "inputs.hpp"
-#include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detect_capture.hpp"
 
