@@ -82,7 +82,7 @@ std::function<int()> setUpPaper(CLI::App& app, const Common& common) {
     const std::vector<PaperSeed> without = paperExperiment(nominal, actual, exact);
 
     nlohmann::json json;
-    std::string medians = fmt::format("Mean error at {} unseen poses, median over {} seeds\n", options->paper.test_poses, seeds.size());
+    std::string medians = fmt::format("Median error at {} unseen poses, median over {} seeds\n", options->paper.test_poses, seeds.size());
     const auto row = [&](const char* name, FlangeError (*figure)(const PaperSeed&)) {
       const double position = medianOver(seeds, [figure](const PaperSeed& seed) { return figure(seed).position; });
       const double rotation = medianOver(seeds, [figure](const PaperSeed& seed) { return figure(seed).rotation; });
