@@ -30,7 +30,9 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
   if (!capture.detections_file.empty()) return readDetections(capture.detections_file, capture.target, reference);
   const std::filesystem::path file = out / "detections.csv";
   InputKey key;
-  key.add(targetYaml(capture.target)).add(reference != nullptr ? targetYaml(*reference) : "").add(fmt::format("{}x{}", camera.width, camera.height));
+  key.add(targetYaml(capture.target))
+      .add(reference != nullptr ? targetYaml(*reference) : "")
+      .add(fmt::format("{}x{}", camera.width, camera.height));
   for (const Sample& sample : capture.table.samples) key.add(sample.image).addFile(capture.folder / sample.image);
   const Stage stage(out, "detect", {file}, key);
   if (!stage.upToDate()) {
@@ -40,6 +42,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
     options.expected_height = camera.height;
     const DetectResult result = detectCapture(capture, options);
     warnAll(describe(result.notes));
+    requireTarget(capture, result);
     writeTextFile(file, detectionsCsv(result.detections));
     stage.markDone();
   }
@@ -47,6 +50,17 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
 }
 
 }  // namespace
+
+void requireTarget(const Capture& capture, const DetectResult& result) {
+  for (const ImageCorners& picture : result.detections.images) {
+    for (const Corner& corner : picture.corners) {
+      if (capture.target.find(corner.id) != nullptr) return;
+    }
+  }
+  const std::vector<std::string> notes = describe(result.notes);
+  throw InsufficientData(fmt::format("{}: the target was found in none of the {} pictures{}", capture.folder.string(),
+                                     result.detections.images.size(), notes.empty() ? "" : " (" + notes.back() + ")"));
+}
 
 std::vector<std::string> describe(const std::vector<PictureNote>& notes) {
   std::vector<std::string> messages;
@@ -71,7 +85,8 @@ CaptureInputs loadCapture(const std::filesystem::path& folder, const std::filesy
   inputs.cell.registration.setup = capture.setup;
   inputs.observations = cornerObservations(capture.table, inputs.detections, capture.target);
   if (inputs.observations.empty()) {
-    throw InsufficientData(fmt::format("the target was found in none of the {} pictures", capture.table.samples.size()));
+    throw InsufficientData(
+        fmt::format("{}: none of the {} samples has corners of the target", capture.folder.string(), capture.table.samples.size()));
   }
   return inputs;
 }

@@ -25,6 +25,9 @@ struct CaptureInputs {
 /// detections.csv (OUT/detections.csv); what stands in OUT from the same inputs is not done again.
 CaptureInputs loadCapture(const std::filesystem::path& folder, const std::filesystem::path& out, const Common& common);
 
+/// Pictures of which none shows the target calibrate nothing. @throws InsufficientData, with the last note: where it is known, it says why.
+void requireTarget(const Capture& capture, const DetectResult& result);
+
 /// "image: message" of each note.
 std::vector<std::string> describe(const std::vector<PictureNote>& notes);
 

@@ -28,6 +28,7 @@ namespace {
 /// A command of the contract whose work is not written yet says so, whatever its options.
 std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
   app.allow_extras();
+  app.fallthrough(false);  // what falls through to the program is held against its options
   return [&app]() -> int { throw InvalidArgument(app.get_name() + " is not built yet"); };
 }
 

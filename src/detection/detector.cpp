@@ -133,6 +133,9 @@ DetectResult detect(const std::filesystem::path& folder, const std::vector<std::
     result.detections.images.push_back({images[k], std::move(finding.corners)});
   }
   if (!any_corners && isTagTarget(target)) {
+    if (const auto image = findMirrored(folder, readable, target.family)) {
+      throw FileError(folder / *image, 0, "shows the target's tags mirrored, expected the picture as the camera took it");
+    }
     if (auto hint = hintAtFamily(folder, readable, target.family)) result.notes.push_back(std::move(*hint));
   }
   return result;

@@ -1,4 +1,4 @@
-// Where no tag was found: whether tags of another family than the stated one are in the pictures.
+// Where no tag was found: whether the pictures show tags of another family than the stated one, or show them mirrored.
 #pragma once
 
 #include <filesystem>
@@ -12,6 +12,10 @@ namespace poecal {
 
 /// Looks at a few of `images` for all families but `family`; a note where one was seen.
 std::optional<PictureNote> hintAtFamily(const std::filesystem::path& folder, const std::vector<std::string>& images,
+                                        const std::string& family);
+
+/// The first of a few of `images` that shows tags of `family` once it is mirrored.
+std::optional<std::string> findMirrored(const std::filesystem::path& folder, const std::vector<std::string>& images,
                                         const std::string& family);
 
 }  // namespace poecal

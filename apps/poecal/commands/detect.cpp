@@ -5,7 +5,6 @@
 
 #include "commands.hpp"
 #include "inputs.hpp"
-#include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detect_capture.hpp"
 
@@ -31,6 +30,12 @@ Counts count(const Detections& detections, const Target& target) {
   return counts;
 }
 
+constexpr const char* kExample = R"(
+Example:
+  $ poecal detect capture --out detections.csv
+  60 of 60 pictures show the target, 240 corners in detections.csv
+)";
+
 }  // namespace
 
 std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
@@ -44,20 +49,15 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
   app.add_option("--quad-decimate", options->detect.quad_decimate,
                  "Look for tags in pictures this much smaller first; edges are refined in the full ones")
       ->capture_default_str();
-  app.footer(
-      "Example:\n"
-      "  $ poecal detect panda-apriltag --out detections.csv\n"
-      "  8 of 8 pictures show the target, 32 corners in detections.csv");
+  app.footer(kExample);
   return [options, &common] {
     const Capture capture = readCapture(options->capture);
     options->detect.jobs = common.jobs;
     const DetectResult result = detectCapture(capture, options->detect);
-    warnAll(describe(result.notes));
+    const std::vector<std::string> notes = describe(result.notes);
+    warnAll(notes);
+    requireTarget(capture, result);
     const Counts counts = count(result.detections, capture.target);
-    if (counts.corners == 0) {
-      throw InsufficientData(
-          fmt::format("{}: the target was found in none of the {} pictures", options->capture.string(), counts.pictures));
-    }
     writeTextFile(options->out, detectionsCsv(result.detections));
     printSummary(common,
                  fmt::format("{} of {} pictures show the target, {} corners in {}\n", counts.with_corners, counts.pictures, counts.corners,
@@ -65,7 +65,7 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
                  {{"pictures", counts.pictures},
                   {"pictures_with_corners", counts.with_corners},
                   {"corners", counts.corners},
-                  {"warnings", describe(result.notes)},
+                  {"warnings", notes},
                   {"file", options->out.string()}});
     return 0;
   };

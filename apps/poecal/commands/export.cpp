@@ -88,6 +88,20 @@ int runExport(ExportOptions options, const Common& common) {
   return 0;
 }
 
+constexpr const char* kExample = R"(
+Example:
+  $ poecal export out/model.yaml --urdf capture/cobot6.urdf --out calibrated.urdf
+  calibrated.urdf: 6 joints from base_link to flange
+  joint                shift [mm]  tilt [mrad]
+  shoulder_pan              0.335        4.268
+  shoulder_lift             0.583        1.306
+  elbow                     0.571        1.399
+  wrist_1_joint             0.790        2.605
+  wrist_2_joint             0.675        1.151
+  wrist_3_joint             0.758        1.367
+shift: from the old origin to the new axis; tilt: between old and new axis.
+)";
+
 }  // namespace
 
 std::function<int()> setUpExport(CLI::App& app, const Common& common) {
@@ -98,15 +112,7 @@ std::function<int()> setUpExport(CLI::App& app, const Common& common) {
   app.add_option("--base-link", options->base_link, "Where the arm begins (default: as the model says, or the root)")->option_text("LINK");
   app.add_option("--tip-link", options->tip_link, "Where it ends, the flange (default: as the model says, or the only leaf)")
       ->option_text("LINK");
-  app.footer(
-      "$ poecal export out/model.yaml --urdf scara.urdf --out calibrated.urdf\n"
-      "calibrated.urdf: 4 joints from base to quill\n"
-      "joint                shift [mm]  tilt [mrad]\n"
-      "shoulder                  0.361        0.000\n"
-      "elbow                     0.700        2.000\n"
-      "turn                      0.000        0.000\n"
-      "lift                      0.000        0.000\n"
-      "shift: from the old origin to the new axis; tilt: between old and new axis.");
+  app.footer(kExample);
   return [options, &common] { return runExport(*options, common); };
 }
 

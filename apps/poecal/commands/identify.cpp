@@ -7,6 +7,20 @@
 #include "poecal/robot/robot_file.hpp"
 
 namespace poecal::app {
+namespace {
+
+constexpr const char* kExample = R"(
+Example:
+  $ poecal identify capture --out out
+  identified cobot6 by bundle from 60 poses
+                calibration                               held-out poses
+                px rms, mean mm and mrad at the flange
+    nominal         2.885 px     11.391 mm    7.472 mrad      4.010 px     11.752 mm    9.347 mrad
+    registered      2.517 px     12.418 mm    8.708 mrad      3.744 px     12.813 mm    8.934 mrad
+    identified      0.053 px      0.594 mm    1.007 mrad      0.076 px      0.744 mm    1.773 mrad
+)";
+
+}  // namespace
 
 std::function<int()> setUpIdentify(CLI::App& app, const Common& common) {
   struct Options {
@@ -24,6 +38,7 @@ std::function<int()> setUpIdentify(CLI::App& app, const Common& common) {
   app.add_flag("--registered", options->identify.registered, "The poses are T_base_flange already")->needs(poses);
   app.add_option("--out", options->out, "Folder for model.yaml and identification.json")->required();
   addIdentifyOptions(app, options->identify);
+  app.footer(kExample);
   return [options, &common] {
     if (options->capture.empty() && options->poses.empty()) throw InvalidArgument("identify needs a CAPTURE, or --robot and --poses");
     Identifying result;

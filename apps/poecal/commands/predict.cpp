@@ -43,6 +43,12 @@ std::string cornersCsv(const Model& model, const std::vector<Sample>& samples) {
   return detectionsCsv(detections);
 }
 
+constexpr const char* kExample = R"(
+Example:
+  $ poecal predict capture --model out/model.yaml --out predicted.csv
+  predicted corners for 60 samples: predicted.csv
+)";
+
 }  // namespace
 
 std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
@@ -56,6 +62,7 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
   app.add_option("--model", options->model, "model.yaml")->required();
   app.add_option("--out", options->out, "The table to write")->required();
   app.add_flag("--poses", options->poses, "Flange poses T_base_flange instead of corners");
+  app.footer(kExample);
   return [options, &common] {
     if (options->capture.empty() == options->joints.empty()) throw InvalidArgument("predict needs a CAPTURE or --joints");
     const Model model = readModel(options->model);

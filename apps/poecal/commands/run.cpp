@@ -7,6 +7,23 @@
 #include "measuring.hpp"
 
 namespace poecal::app {
+namespace {
+
+constexpr const char* kExample = R"(
+Example:
+  $ poecal run capture --out out
+  registered 60 pictures: 2.764 px rms (2.764 px with every picture, 0.039 px with a free pose for each)
+    camera in base: 1.5103 0.3125 0.8966 m
+  identified cobot6 by bundle from 60 poses
+                calibration                               held-out poses
+                px rms, mean mm and mrad at the flange
+    nominal         2.885 px     11.391 mm    7.472 mrad      4.010 px     11.752 mm    9.347 mrad
+    registered      2.517 px     12.418 mm    8.708 mrad      3.744 px     12.813 mm    8.934 mrad
+    identified      0.053 px      0.594 mm    1.007 mrad      0.076 px      0.744 mm    1.773 mrad
+  results in out; diagnosis and report are not built yet
+)";
+
+}  // namespace
 
 std::function<int()> setUpRun(CLI::App& app, const Common& common) {
   struct Options {
@@ -17,6 +34,7 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
   app.add_option("CAPTURE", options->capture, "Capture folder")->required();
   app.add_option("--out", options->out, "Folder for all results")->required();
   addIdentifyOptions(app, options->identify);
+  app.footer(kExample);
   return [options, &common] {
     const CaptureInputs inputs = loadCapture(options->capture, options->out, common);
     const Measuring measuring = measureCapture(inputs, options->out);

@@ -40,7 +40,8 @@ struct DetectResult {
 /// tags of another family are there, the last note says so.
 /// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;
 /// others look the same after half a turn and start where OpenCV starts.
-/// @throws InvalidArgument for an unknown family or dictionary, or a target of single points, which pictures do not show.
+/// @throws InvalidArgument for an unknown family or dictionary, or a target of single points, which pictures do not show. FileError where
+/// no tag was seen and the pictures show the target's tags mirrored.
 DetectResult detect(const std::filesystem::path& folder, const std::vector<std::string>& images, const Target& target,
                     const DetectOptions& options);
 

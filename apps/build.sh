@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# apps/build.sh PRESET [TARGET...]: installs what is missing, configures a preset of CMakePresets.json into build/PRESET and builds it,
+# or only the targets.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+preset=$1
+shift
+apps/install-dependencies.sh
+
+launcher=()
+if command -v ccache >/dev/null; then
+  launcher=(-D CMAKE_CXX_COMPILER_LAUNCHER=ccache)
+fi
+cmake --preset "$preset" "${launcher[@]}"
+targets=()
+(($#)) && targets=(--target "$@")
+cmake --build --preset "$preset" "${targets[@]}"

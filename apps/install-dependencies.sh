@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that poecal is built and tested with. Needs no network where they are there already.
+set -euo pipefail
+
+packages=(
+  # to build with
+  cmake g++ ninja-build
+  # find_package in CMakeLists.txt
+  libapriltag-dev libboost-dev libceres-dev libeigen3-dev libfmt-dev libopencv-dev libtbb-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev
+  nlohmann-json3-dev
+  # find_package in apps/ and tests/
+  libcli11-dev libgmock-dev libgtest-dev liborocos-kdl-dev
+)
+
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [[ $status == installed ]] || missing+=("$package")
+done
+((${#missing[@]})) || exit 0
+
+as_root=()
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "error: these packages are missing, and installing them needs root or sudo: ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+echo "installing ${missing[*]}"
+# env, because sudo drops the environment of its caller.
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update --quiet
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install --quiet --yes --no-install-recommends "${missing[@]}"

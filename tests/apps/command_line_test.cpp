@@ -1,0 +1,88 @@
+// What holds for every command, whatever it does.
+#include <gmock/gmock.h>
+
+#include "support/program.hpp"
+#include "support/temp_folder.hpp"
+
+namespace poecal {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+class CommandLine : public ::testing::Test {
+ protected:
+  test::ProgramRun run(const std::string& arguments) { return test::runProgram(folder_.path(), arguments); }
+  /// One line on stderr, nothing on stdout, status 2.
+  void expectWrong(const std::string& arguments, const std::string& message) {
+    const test::ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 2) << arguments;
+    EXPECT_THAT(result.out, IsEmpty()) << arguments;
+    EXPECT_THAT(result.err, StartsWith("poecal: error: ")) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(message)) << arguments;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+
+  test::TempFolder folder_;
+};
+
+TEST_F(CommandLine, VersionIsThatOfTheProject) {
+  const test::ProgramRun result = run("--version");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.out, "poecal " POECAL_VERSION "\n");
+}
+
+TEST_F(CommandLine, HelpListsEveryCommand) {
+  const test::ProgramRun result = run("--help");
+  EXPECT_EQ(result.status, 0);
+  for (const char* name :
+       {"run", "intrinsics", "detect", "measure", "identify", "diagnose", "predict", "simulate", "plan", "export", "report"}) {
+    EXPECT_THAT(result.out, HasSubstr(std::string("\n  ") + name + " ")) << name;
+  }
+}
+
+TEST_F(CommandLine, MistakesAreStatusTwo) {
+  expectWrong("", "subcommand");
+  expectWrong("calibrate", "calibrate");
+  expectWrong("--fast", "--fast");
+  expectWrong("run capture --out out --fast", "--fast");
+  expectWrong("run capture", "--out is required");
+  expectWrong("run", "CAPTURE is required");
+  expectWrong("run capture --out out --jobs -1", "--jobs");
+  expectWrong("run capture --out out --method newton", "newton");
+  expectWrong("identify --out out", "CAPTURE");
+  expectWrong("predict --model model.yaml --out next.csv", "CAPTURE");
+}
+
+class EachCommand : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EachCommand, HelpShowsARun) {
+  const test::TempFolder folder;
+  const test::ProgramRun result = test::runProgram(folder.path(), std::string(GetParam()) + " --help");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.err, IsEmpty());
+  EXPECT_THAT(result.out, HasSubstr("Example:\n  $ poecal " + std::string(GetParam()) + " "));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EachCommand,
+                         ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "predict", "export", "paper"),
+                         [](const auto& info) { return std::string(info.param); });
+
+class CommandOfLater : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(CommandOfLater, SaysThatItIsNotBuiltYetWhateverItsOptions) {
+  const test::TempFolder folder;
+  for (const char* arguments : {"", " capture --out out", " --robot robot.yaml --poses poses.csv --json", " out --jobs 2 --quiet"}) {
+    const test::ProgramRun result = test::runProgram(folder.path(), GetParam() + std::string(arguments));
+    EXPECT_EQ(result.status, 2) << arguments;
+    EXPECT_THAT(result.out, IsEmpty()) << arguments;
+    EXPECT_EQ(result.err, "poecal: error: " + std::string(GetParam()) + " is not built yet\n") << arguments;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, CommandOfLater, ::testing::Values("plan", "diagnose", "report"),
+                         [](const auto& info) { return std::string(info.param); });
+
+}  // namespace
+}  // namespace poecal
