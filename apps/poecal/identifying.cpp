@@ -15,7 +15,9 @@ std::string errorText(const ErrorSummary& errors) {
   if (errors.poses == 0) return "-";
   std::string text;
   if (errors.corners > 0) text = fmt::format("{:9.3f} px   ", errors.px.rms);
-  return text + fmt::format("{:8.3f} mm {:8.3f} mrad", 1e3 * errors.position.mean, 1e3 * errors.rotation.mean);
+  text += fmt::format("{:8.3f} mm", 1e3 * errors.position.mean);
+  const bool positions_alone = errors.corners == 0 && errors.rotation.max == 0.0;
+  return positions_alone ? text : text + fmt::format(" {:8.3f} mrad", 1e3 * errors.rotation.mean);
 }
 
 /// nominal -> registered -> identified, on calibration and on held-out poses.

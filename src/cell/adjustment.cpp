@@ -76,7 +76,7 @@ class Adjuster {
       result.steps.push_back({cost, rmsOf(squares), scale_});
       const std::optional<double> predicted = step(normal, cost, damping, squares);
       effective_parameters_ = effectiveParameters(normal);
-      const bool settled = std::abs(scale_ - previous_scale) <= 1e-7 * scale_ || options_.scale > 0.0;
+      const bool settled = std::abs(scale_ - previous_scale) <= 1e-6 * scale_ || options_.scale > 0.0;
       // A step of 1e-6 standard deviations, or none that lowers the cost: rounding is reached.
       if ((!predicted || *predicted < 1e-12) && settled && iteration > 1) {
         result.status = AdjustmentStatus::kConverged;
@@ -259,7 +259,8 @@ class Adjuster {
     H.diagonal() += priorInformation();
     const Eigen::VectorXd d = columnScale(H);
     Eigen::MatrixXd scaled = d.asDiagonal() * H * d.asDiagonal();
-    scaled.diagonal().array() += 1e-13;
+    // Where nothing determines a direction both matrices are rounding, 1e-16; this keeps their quotient from counting.
+    scaled.diagonal().array() += 1e-10;
     const Eigen::MatrixXd data = d.asDiagonal() * normal.H * d.asDiagonal();
     return scaled.ldlt().solve(data).trace();
   }
