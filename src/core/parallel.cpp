@@ -1,5 +1,6 @@
 #include "poecal/core/parallel.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -24,7 +25,8 @@ void parallelFor(std::size_t count, int jobs, const std::function<void(std::size
       failures[i] = std::current_exception();
     }
   };
-  tbb::task_arena arena(resolveJobs(jobs));
+  // More threads than cores gain nothing, and TBB complains of them on stderr.
+  tbb::task_arena arena(std::min(resolveJobs(jobs), tbb::this_task_arena::max_concurrency()));
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, guarded, tbb::simple_partitioner()); });
   for (const std::exception_ptr& failure : failures) {
     if (failure) std::rethrow_exception(failure);

@@ -49,6 +49,7 @@ PaperFit fitPaper(const Arm& nominal, const Arm& actual, const PoseTable& table,
   options.hold_out_every = 0;  // the test poses judge
   options.tolerance_position = 0.0;
   options.tolerance_rotation = 0.0;
+  options.gao_length_unit = 1e-3;  // the paper's millimetres
   Cell cell;
   cell.arm = nominal;
   const std::vector<Observation> observations = poseObservations(table, 1e-3, 1e-3);

@@ -1,6 +1,7 @@
 #include "simulation/marker_bitmap.hpp"
 
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 
 #include <fmt/format.h>
@@ -14,14 +15,22 @@ extern "C" {
 }
 
 namespace poecal {
+namespace {
+
+/// The library's own image_u8_destroy, which Debian's package does not export.
+void freeImage(image_u8_t* image) {
+  std::free(image->buf);
+  std::free(image);
+}
+
+}  // namespace
 
 MarkerBitmap tagBitmap(const std::string& name, int id) {
   const TagFamily family = makeTagFamily(name);
   if (id < 0 || static_cast<std::uint32_t>(id) >= family->ncodes) {
     throw InvalidArgument(fmt::format("tag id {} does not exist, {} has ids 0 to {}", id, name, family->ncodes - 1));
   }
-  const std::unique_ptr<image_u8_t, decltype(&image_u8_destroy)> image(apriltag_to_image(family.get(), static_cast<std::uint32_t>(id)),
-                                                                       image_u8_destroy);
+  const std::unique_ptr<image_u8_t, void (*)(image_u8_t*)> image(apriltag_to_image(family.get(), id), freeImage);
   MarkerBitmap bitmap{.width = image->width, .corner_width = family->width_at_border, .white = {}};
   for (int row = 0; row < image->height; ++row) {
     for (int column = 0; column < image->width; ++column) bitmap.white.push_back(image->buf[row * image->stride + column] > 127);

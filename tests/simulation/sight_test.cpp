@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "poecal/geometry/se3.hpp"
 #include "simulation/board_poses.hpp"
 #include "support/matchers.hpp"
 

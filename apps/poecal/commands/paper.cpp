@@ -29,7 +29,7 @@ std::string tableTwo(const Arm& nominal, const Arm& actual, const PaperSeed& see
 }
 
 std::string figureThree(const std::vector<double>& noisy, const std::vector<double>& exact) {
-  std::string text = "Figure 3: RMS of y after each iteration of gao (m and rad mixed)\n  iteration   with noise   without\n";
+  std::string text = "Figure 3: RMS of y after each iteration of gao (mm and rad mixed)\n  iteration   with noise   without\n";
   for (std::size_t k = 0; k < std::max(noisy.size(), exact.size()); ++k) {
     text += fmt::format("  {:>9}   {:>10}   {:>10}\n", k, k < noisy.size() ? fmt::format("{:.3e}", noisy[k]) : "", k < exact.size() ? fmt::format("{:.3e}", exact[k]) : "");
   }

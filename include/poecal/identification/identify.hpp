@@ -29,6 +29,7 @@ struct IdentifyOptions {
   double tolerance_rotation = 3e-3;  ///< 1 sigma prior of an axis' tilt [rad]; 0: none
   CameraChoice camera = CameraChoice::kAuto;
   bool robust = true;
+  double gao_length_unit = 1.0;  ///< gao only: unit of length [m] that its unweighted rows mix with radians; the paper's is 1e-3
   /// Every how-manieth pose is held out to judge the fit, in as many turns, so that each pose judges once; 0: none. The model itself is then
   /// fitted to all poses.
   int hold_out_every = 5;
@@ -61,7 +62,7 @@ struct Identification {
   Model model;
   Arm nominal;
   std::vector<AdjustmentStep> steps;  ///< of the final fit
-  std::vector<double> gao_residuals;  ///< RMS of y before each step, rad and m mixed as the paper has it; gao only
+  std::vector<double> gao_residuals;  ///< RMS of y before each step, rad and gao_length_unit mixed as the paper has it; gao only
   AdjustmentStatus status = AdjustmentStatus::kNotRun;
   std::vector<Stage> stages;
   std::vector<SuspectRow> suspects;
