@@ -50,7 +50,7 @@ constexpr Command kCommands[] = {
 int runProgram(int argc, char** argv) {
   CLI::App app{"Calibrates serial arms from pictures of a tag, and says what the model still leaves out.", "poecal"};
   app.set_version_flag("--version", "poecal " POECAL_VERSION);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);  // none is said below, after a word that is no command
   app.fallthrough();
   Common common;
   app.add_option("--jobs", common.jobs, "Pictures worked on at a time (0: one per core)")->check(CLI::NonNegativeNumber);
@@ -73,7 +73,7 @@ int runProgram(int argc, char** argv) {
   for (const auto& [sub, run] : commands) {
     if (sub->parsed()) return run();
   }
-  return 2;
+  throw InvalidArgument("a command is missing (--help lists them)");
 }
 
 }  // namespace

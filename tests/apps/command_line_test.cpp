@@ -43,7 +43,7 @@ TEST_F(CommandLine, HelpListsEveryCommand) {
 }
 
 TEST_F(CommandLine, MistakesAreStatusTwo) {
-  expectWrong("", "subcommand");
+  expectWrong("", "a command is missing");
   expectWrong("calibrate", "calibrate");
   expectWrong("--fast", "--fast");
   expectWrong("run capture --out out --fast", "--fast");
@@ -67,7 +67,7 @@ TEST_P(EachCommand, HelpShowsARun) {
 
 INSTANTIATE_TEST_SUITE_P(All, EachCommand,
                          ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "predict", "export", "paper"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& instance) { return std::string(instance.param); });
 
 class CommandOfLater : public ::testing::TestWithParam<const char*> {};
 
@@ -82,7 +82,7 @@ TEST_P(CommandOfLater, SaysThatItIsNotBuiltYetWhateverItsOptions) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CommandOfLater, ::testing::Values("plan", "diagnose", "report"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
 }  // namespace poecal

@@ -12,10 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kCamera = R"(image_width: 640
-image_height: 480
+constexpr const char* kCamera = R"(image_width: 400
+image_height: 300
 camera_name: small_camera
-camera_matrix: {rows: 3, cols: 3, data: [694.35, 0, 323.3, 0, 694.75, 235.7, 0, 0, 1]}
+camera_matrix: {rows: 3, cols: 3, data: [694.35, 0, 203.3, 0, 694.75, 146.7, 0, 0, 1]}
 distortion_model: plumb_bob
 distortion_coefficients: {rows: 1, cols: 5, data: [-0.081, 0.057, -0.0005, 0.0002, 0]}
 )";

@@ -1,4 +1,4 @@
-// A cell that a test can afford: calib_data/cobot6 with a quarter of the pixels and few poses.
+// A cell that a test can afford: calib_data/cobot6 with a tenth of the pixels and few poses.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace poecal::test {
 
-constexpr int kSmallCellPoses = 12;
+constexpr int kSmallCellPoses = 10;
 
 enum class SmallCell { kPictures, kCorners };
 
