@@ -172,6 +172,7 @@ class Identifier {
     std::iota(all.begin(), all.end(), 0);
     Judged judged;
     judged.fit = fitMethod(registered_, observations_, flange_, all, options_, camera_free);
+    refitted_poses_.clear();
     std::vector<bool> suspect(observations_.size(), false);
     for (std::size_t k = 0; k < observations_.size(); ++k) suspect[k] = leftOut(judged.fit, k);
     Cell nominal = registered_;
@@ -208,9 +209,9 @@ class Identifier {
   const Eigen::Isometry3d* freePose(const MethodFit& fit, std::size_t k) const {
     if (!corners_ || !samples_[k].has_pose) return nullptr;
     if (!fit.free.intrinsics) return &samples_[k].T_camera_target;
-    Eigen::Isometry3d& pose = refitted_poses_[k];
-    pose = refinePose(*fit.cell.camera, observations_[k], samples_[k].T_camera_target).T_camera_target;
-    return &pose;
+    const auto [entry, is_new] = refitted_poses_.try_emplace(k);
+    if (is_new) entry->second = refinePose(*fit.cell.camera, observations_[k], samples_[k].T_camera_target).T_camera_target;
+    return &entry->second;
   }
 
   Judged chooseCamera() {
@@ -387,7 +388,7 @@ class Identifier {
   FlangePoses flange_;
   std::vector<Fold> folds_;
   double sigma_position_ = 0.0, sigma_rotation_ = 0.0;
-  mutable std::map<std::size_t, Eigen::Isometry3d> refitted_poses_;
+  mutable std::map<std::size_t, Eigen::Isometry3d> refitted_poses_;  ///< free poses through the camera of the fit being judged
 };
 
 }  // namespace

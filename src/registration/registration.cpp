@@ -175,15 +175,14 @@ void leaveOutBad(const std::vector<Observation>& observations, RegistrationResul
 }
 
 /// The measured flange with the covariance of its corners.
-void measureFlange(const Cell& cell, const Observation& observation, RegisteredSample& sample, double& squares, double& redundancy) {
-  const std::vector<TargetPose> candidates = targetPoses(*cell.camera, observation);
+void measureFlange(const Cell& cell, const Observation& observation, const std::vector<Eigen::Isometry3d>& candidates, RegisteredSample& sample,
+                   double& squares, double& redundancy) {
   if (candidates.empty()) return;
   const Eigen::Isometry3d predicted = cell.registration.cameraTarget(modelFlange(cell, observation));
-  const auto nearest = std::min_element(candidates.begin(), candidates.end(), [&](const TargetPose& a, const TargetPose& b) {
-    return rotationAngle(predicted.linear().transpose() * a.T_camera_target.linear()) <
-           rotationAngle(predicted.linear().transpose() * b.T_camera_target.linear());
+  const auto nearest = std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
+    return rotationAngle(predicted.linear().transpose() * a.linear()) < rotationAngle(predicted.linear().transpose() * b.linear());
   });
-  const FreePose pose = refinePose(*cell.camera, observation, nearest->T_camera_target);
+  const FreePose pose = refinePose(*cell.camera, observation, *nearest);
   const Registration& registration = cell.registration;
   sample.has_pose = true;
   sample.T_camera_target = pose.T_camera_target;
@@ -252,7 +251,7 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
       }
     }
     double chi_square = 0.0, spare = 0.0;
-    measureFlange(result.cell, observations[k], sample, chi_square, spare);
+    measureFlange(result.cell, observations[k], hypotheses[k].candidates, sample, chi_square, spare);
     if (sample.has_pose && !out[k]) {
       free_squares += corners * sample.free_rms_px * sample.free_rms_px;
       free_corners += corners;
