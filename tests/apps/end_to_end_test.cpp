@@ -60,6 +60,18 @@ TEST_F(EndToEnd, FromPicturesOfBoardAndTagToACalibratedUrdf) {
   EXPECT_TRUE(forwardKinematics(calibrated, q).isApprox(forwardKinematics(identified, q), kSameArm));
 }
 
+TEST_F(EndToEnd, StepsBeforeTheCalibrationGiveJsonToo) {
+  test::writeSmallScene(folder_.path(), test::SmallCell::kPictures, "intrinsics: {target: board.yaml, count: 4}\n", 3);
+  const std::string paper = "paper '" + std::string(POECAL_SOURCE_DIR) + "/calib_data/puma560' --seeds 1";
+  for (const std::string& step :
+       {std::string("simulate scene/scene.yaml --out capture"), std::string("detect capture --out detections.csv"),
+        std::string("intrinsics capture/intrinsics --out camera.yaml"), paper}) {
+    const test::ProgramRun result = run(step + " --json");
+    ASSERT_EQ(result.status, 0) << step << "\n" << result.err;
+    EXPECT_TRUE(nlohmann::json::parse(result.out).is_object()) << step;
+  }
+}
+
 TEST_F(EndToEnd, WhatIsUpToDateIsNotDoneAgain) {
   test::simulateSmallCell(folder_.path(), test::SmallCell::kPictures);
   runWell("run capture --out out");

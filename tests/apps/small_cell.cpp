@@ -35,19 +35,19 @@ registration:
 
 }  // namespace
 
-void writeSmallScene(const fs::path& folder, SmallCell kind, const std::string& more) {
+void writeSmallScene(const fs::path& folder, SmallCell kind, const std::string& more, int poses) {
   const fs::path cobot = fs::path(POECAL_SOURCE_DIR) / "calib_data/cobot6";
   for (const char* name : {"cobot6.urdf", "target.yaml", "board.yaml"}) writeTextFile(folder / "scene" / name, readTextFile(cobot / name));
   writeTextFile(folder / "scene/camera.yaml", kCamera);
   const std::string image =
       kind == SmallCell::kPictures ? "image: {blur: 0.7, noise: 2.0, background: plain}\n" : "corners: {sigma: 0.1}\n";
   const std::string samples =
-      more.find("samples:") == std::string::npos ? "samples: {count: " + std::to_string(kSmallCellPoses) + ", seed: 12}\n" : "";
+      more.find("samples:") == std::string::npos ? "samples: {count: " + std::to_string(poses) + ", seed: 12}\n" : "";
   writeTextFile(folder / "scene/scene.yaml", kScene + samples + image + more);
 }
 
-void simulateSmallCell(const fs::path& folder, SmallCell kind) {
-  writeSmallScene(folder, kind);
+void simulateSmallCell(const fs::path& folder, SmallCell kind, int poses) {
+  writeSmallScene(folder, kind, "", poses);
   simulate(readScene(folder / "scene/scene.yaml"), folder / "capture", {.jobs = 1});
 }
 

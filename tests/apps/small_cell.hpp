@@ -13,11 +13,12 @@ constexpr int kSmallCellPoses = 10;
 
 enum class SmallCell { kPictures, kCorners };
 
-/// Writes FOLDER/scene/scene.yaml and what it names. @param more  further keys of the scene.
-void writeSmallScene(const std::filesystem::path& folder, SmallCell kind, const std::string& more = "");
+/// Writes FOLDER/scene/scene.yaml and what it names. @param more  further keys of the scene; `samples:` among them goes before the usual
+/// poses.
+void writeSmallScene(const std::filesystem::path& folder, SmallCell kind, const std::string& more = "", int poses = kSmallCellPoses);
 
 /// Writes the scene and simulates it into FOLDER/capture, its truth into FOLDER/capture-truth.
-void simulateSmallCell(const std::filesystem::path& folder, SmallCell kind);
+void simulateSmallCell(const std::filesystem::path& folder, SmallCell kind, int poses = kSmallCellPoses);
 
 /// Replaces the first occurrence of `from` in a file. @throws std::runtime_error where there is none, so that no test changes nothing.
 void replaceInFile(const std::filesystem::path& file, const std::string& from, const std::string& to);
