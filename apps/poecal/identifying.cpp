@@ -1,5 +1,7 @@
 #include "identifying.hpp"
 
+#include <cmath>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -19,7 +21,7 @@ std::string errorText(const ErrorSummary& errors) {
 /// nominal -> registered -> identified, on calibration and on held-out poses.
 std::string ladder(const Identification& identification) {
   const bool pixels = identification.stages.front().calibration.corners > 0;
-  std::string text = fmt::format("  {:<12}{:<42}{}\n", "", "calibration", identification.leave_one_out ? "each pose held out in turn" : "held-out poses");
+  std::string text = fmt::format("  {:<12}{:<42}{}\n", "", "calibration", identification.leave_one_out ? "each pose held out alone" : "poses that the fit did not see");
   text += fmt::format("  {:<12}{}\n", "", pixels ? "px rms, mean mm and mrad at the flange" : "mean mm and mrad");
   for (const Stage& stage : identification.stages) {
     text += fmt::format("  {:<12}{:<42}{}\n", stage.name, errorText(stage.calibration), errorText(stage.held_out));
@@ -49,8 +51,9 @@ Identifying finish(Identification identification, const std::vector<Sample>& sam
   result.text = fmt::format("identified {} by {} from {} poses\n", identification.model.cell.arm->name, methodName(identification.method), identification.poses);
   if (!identification.stages.empty()) result.text += ladder(identification);
   if (identification.model.cell.camera && identification.method == Method::kBundle) {
-    result.text += fmt::format("  noise {:.3f} of the stated sigma (px where none is stated), chi-square per degree of freedom {:.3f}\n", identification.scale,
-                               identification.reduced_chi_square);
+    result.text += identification.sigmas_stated
+                       ? fmt::format("  noise {:.3f} of what the corners state, chi-square per degree of freedom {:.3f}\n", identification.scale, identification.reduced_chi_square)
+                       : fmt::format("  noise {:.3f} px per axis\n", identification.scale);
   }
   result.text += suspectText(identification, samples);
   result.json = nlohmann::json::parse(report);
@@ -70,10 +73,10 @@ void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
   app.add_option("--tolerance-rotation", options.tolerance_rotation, "Prior of an axis' tilt, 1 sigma [rad]; 0: none")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--hold-out", options.hold_out_every, "Every how-manieth pose judges the fit instead of entering it; 0: none")
+  app.add_option("--hold-out", options.hold_out_every, "Every how-manieth pose judges a fit instead of entering it, in as many turns; 0: none")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  app.add_flag("--leave-one-out", options.leave_one_out, "Each pose judges in turn (done by itself up to 25 poses)");
+  app.add_flag("--leave-one-out", options.leave_one_out, "Each pose judges alone (done by itself up to 25 poses)");
   app.add_flag("!--no-robust", options.robust, "Plain least squares: no row loses weight");
   app.add_flag("--allow-still-joints", options.allow_still_joints, "A joint that never moved keeps its nominal axis");
   app.add_option_function<std::string>(
@@ -85,10 +88,13 @@ void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
       ->check(CLI::IsMember({"auto", "stated", "free"}));
 }
 
-Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out) {
+Identifying identifyCapture(const CaptureInputs& inputs, IdentifyOptions options, const std::filesystem::path& out) {
   const Capture& capture = inputs.capture;
   if (!inputs.cell.arm) {
     throw InsufficientData(fmt::format("{} has no joint readings (columns q1, q2, ...): only registration is possible (poecal measure)", capture.table.file.string()));
+  }
+  for (const ImageCorners& image : inputs.detections.images) {
+    for (const Corner& corner : image.corners) options.sigmas_stated = options.sigmas_stated || std::isfinite(corner.sigma);
   }
   Identification identification;
   try {
@@ -110,10 +116,10 @@ Identifying identifyPoses(const Arm& arm, const PoseTable& table, IdentifyOption
   Cell cell;
   cell.arm = arm;
   std::vector<Sample> samples;
-  options.pose_sigmas_stated = !table.poses.empty();
+  options.sigmas_stated = !table.poses.empty();
   for (const MeasuredPose& pose : table.poses) {
     samples.push_back(pose.sample);
-    options.pose_sigmas_stated = options.pose_sigmas_stated && pose.sigma_position && (pose.sigma_rotation || pose.position_only);
+    options.sigmas_stated = options.sigmas_stated && pose.sigma_position && (pose.sigma_rotation || pose.position_only);
   }
   // Where the table states no deviations these are only where their estimation starts.
   const std::vector<Observation> observations = poseObservations(table, 1e-3, 3e-3);

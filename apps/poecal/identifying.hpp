@@ -24,7 +24,7 @@ struct Identifying {
 void addIdentifyOptions(CLI::App& app, IdentifyOptions& options);
 
 /// Identifies the arm of a capture; writes OUT/model.yaml and OUT/identification.json.
-Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out);
+Identifying identifyCapture(const CaptureInputs& inputs, IdentifyOptions options, const std::filesystem::path& out);
 
 /// Identifies an arm from poses of any instrument; writes the same files.
 Identifying identifyPoses(const Arm& arm, const PoseTable& table, IdentifyOptions options, const std::filesystem::path& out);

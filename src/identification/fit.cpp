@@ -34,7 +34,7 @@ std::vector<Vector6d> twistDeviations(const Arm& nominal, const Eigen::VectorXd&
   return deviations;
 }
 
-MethodFit fitGao(const Cell& registered, const std::vector<Observation>& flange) {
+MethodFit fitGao(const Cell& registered, const std::vector<Observation>& flange, double length_unit) {
   std::vector<Eigen::VectorXd> q;
   std::vector<Eigen::Isometry3d> poses;
   for (const Observation& observation : flange) {
@@ -43,7 +43,7 @@ MethodFit fitGao(const Cell& registered, const std::vector<Observation>& flange)
     q.push_back(observation.q);
     poses.push_back(observation.pose->T_camera_target);
   }
-  const GaoResult result = gao(*registered.arm, q, poses, {});
+  const GaoResult result = gao(*registered.arm, q, poses, {.length_unit = length_unit});
   MethodFit fit;
   fit.cell = registered;
   fit.cell.arm = result.arm;
@@ -119,7 +119,7 @@ FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& 
 
 MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange, const std::vector<std::size_t>& subset,
                     const IdentifyOptions& options, bool camera_free) {
-  if (options.method == Method::kGao) return fitGao(registered, selected(flange.observations, subset));
+  if (options.method == Method::kGao) return fitGao(registered, selected(flange.observations, subset), options.gao_length_unit);
   MethodFit fit;
   AdjustmentOptions adjustment;
   adjustment.tolerance_position = options.tolerance_position;

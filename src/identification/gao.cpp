@@ -14,7 +14,7 @@ struct StackedRows {
   Eigen::VectorXd Y;
 };
 
-StackedRows stack(const Arm& arm, const std::vector<Eigen::VectorXd>& q, const std::vector<Eigen::Isometry3d>& T_base_flange) {
+StackedRows stack(const Arm& arm, const std::vector<Eigen::VectorXd>& q, const std::vector<Eigen::Isometry3d>& T_base_flange, double length_unit) {
   const int twists = twistParameterCount(arm);
   const auto poses = static_cast<Eigen::Index>(q.size());
   StackedRows rows{Eigen::MatrixXd(6 * poses, twists + 6), Eigen::VectorXd(6 * poses)};
@@ -26,6 +26,8 @@ StackedRows stack(const Arm& arm, const std::vector<Eigen::VectorXd>& q, const s
     rows.Y.segment<6>(6 * k) = logSe3(T_base_flange[i] * chain.T_base_flange.inverse());
     rows.L.block(6 * k, 0, 6, twists) = twistJacobian(arm, at_zero, arm, chain, q[i]);
     rows.L.block<6, 6>(6 * k, twists) = adjoint(chain.P.back()) * K_st;
+    rows.Y.segment<3>(6 * k + 3) /= length_unit;
+    rows.L.middleRows<3>(6 * k + 3) /= length_unit;
   }
   return rows;
 }
@@ -37,7 +39,7 @@ double rmsOfRows(const StackedRows& rows) { return std::sqrt(rows.Y.squaredNorm(
 GaoResult gao(const Arm& nominal, const std::vector<Eigen::VectorXd>& q, const std::vector<Eigen::Isometry3d>& T_base_flange, const GaoOptions& options) {
   GaoResult result;
   result.arm = nominal;
-  StackedRows rows = stack(nominal, q, T_base_flange);
+  StackedRows rows = stack(nominal, q, T_base_flange, options.length_unit);
   result.residuals.push_back(rmsOfRows(rows));
   const int twists = twistParameterCount(nominal);
   Eigen::VectorXd scale;
@@ -50,7 +52,7 @@ GaoResult gao(const Arm& nominal, const std::vector<Eigen::VectorXd>& q, const s
     const Eigen::VectorXd x = scale.cwiseProduct(qr.solve(rows.Y));
     Arm next = displaceTwists(result.arm, x.head(twists));
     next.gamma += x.tail<6>();
-    StackedRows next_rows = stack(next, q, T_base_flange);
+    StackedRows next_rows = stack(next, q, T_base_flange, options.length_unit);
     const double rms = rmsOfRows(next_rows);
     // Rounding, or the noise floor: further steps only stir the last digits.
     if (!(rms < result.residuals.back() * (1.0 - 1e-9))) {

@@ -13,11 +13,13 @@ namespace poecal {
 
 struct GaoOptions {
   int max_iterations = 50;
+  /// Unit of length of the translation rows [m]. Unweighted least squares hangs on it: in the paper's millimetres rotations hardly count.
+  double length_unit = 1.0;
 };
 
 struct GaoResult {
   Arm arm;
-  std::vector<double> residuals;  ///< RMS of all entries of Y (rad and m mixed, as the paper has it), before the first step and after each
+  std::vector<double> residuals;  ///< RMS of all entries of Y (rad and length units mixed, as the paper has it), before the first step and after each
   bool converged = false;
   int rank = 0;
   double condition_number = 0.0;  ///< of L with columns scaled to unit length

@@ -71,6 +71,19 @@ Json parameters(const Identification& identification) {
   return list;
 }
 
+/// Where deviations were stated: how the residuals compare with them. Otherwise the deviations that the residuals show.
+Json noise(const Identification& identification) {
+  Json json{{"source", identification.sigmas_stated ? "stated, scaled by the residuals" : "estimated"}, {"scale", identification.scale}};
+  if (identification.sigmas_stated) json["chi_square_per_degree_of_freedom"] = identification.reduced_chi_square;
+  json["degrees_of_freedom"] = identification.degrees_of_freedom;
+  if (!identification.sigmas_stated && identification.model.cell.camera && identification.method == Method::kBundle) json["sigma_px"] = identification.scale;
+  if (!identification.model.cell.camera && !identification.sigmas_stated) {
+    json["sigma_position_mm"] = 1e3 * identification.sigma_position;
+    json["sigma_rotation_mrad"] = 1e3 * identification.sigma_rotation;
+  }
+  return json;
+}
+
 Json suspects(const Identification& identification, const std::vector<Sample>& samples) {
   Json list = Json::array();
   for (const SuspectRow& row : identification.suspects) {
@@ -94,7 +107,7 @@ std::string identificationJson(const Identification& identification, const std::
   json["method"] = methodName(identification.method);
   json["converged"] = identification.status == AdjustmentStatus::kConverged;
   json["poses"] = identification.poses;
-  json["held_out"] = {{"poses", identification.held_out_poses}, {"scheme", identification.leave_one_out ? "leave one out" : "one set"}};
+  json["held_out"] = {{"poses", identification.held_out_poses}, {"scheme", identification.leave_one_out ? "leave one out" : "folds"}};
   json["iterations"] = iterations(identification);
   json["joints"] = joints(identification);
   const Arm& arm = *identification.model.cell.arm;
@@ -106,14 +119,9 @@ std::string identificationJson(const Identification& identification, const std::
                            {"unseen", identification.unseen},
                            {"gauge", identification.gauge},
                            {"by_parameter", parameters(identification)}};
-  json["noise"] = {{"scale", identification.scale},
-                   {"chi_square_per_degree_of_freedom", identification.reduced_chi_square},
-                   {"degrees_of_freedom", identification.degrees_of_freedom}};
+  json["noise"] = noise(identification);
   if (identification.model.cell.camera) {
     json["camera_refitted"] = identification.camera_refitted;
-  } else {
-    json["noise"]["sigma_position_mm"] = 1e3 * identification.sigma_position;
-    json["noise"]["sigma_rotation_mrad"] = 1e3 * identification.sigma_rotation;
   }
   json["stages"] = Json::array();
   for (const Stage& stage : identification.stages) {

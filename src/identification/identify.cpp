@@ -25,12 +25,11 @@ struct Fold {
 std::vector<Fold> makeFolds(const std::vector<std::vector<std::size_t>>& groups, const IdentifyOptions& options, bool leave_one_out) {
   std::vector<Fold> folds;
   if (!leave_one_out && options.hold_out_every <= 0) return folds;
-  const std::size_t every = static_cast<std::size_t>(std::max(1, options.hold_out_every));
-  const std::size_t count = leave_one_out ? groups.size() : 1;
+  const std::size_t count = leave_one_out ? groups.size() : static_cast<std::size_t>(options.hold_out_every);
   for (std::size_t fold = 0; fold < count; ++fold) {
     Fold split;
     for (std::size_t k = 0; k < groups.size(); ++k) {
-      const bool held_out = leave_one_out ? k == fold : k % every == every - 1;
+      const bool held_out = k % count == fold;
       std::vector<std::size_t>& side = held_out ? split.test : split.train;
       side.insert(side.end(), groups[k].begin(), groups[k].end());
     }
@@ -88,7 +87,7 @@ class Identifier {
     requireEnoughPoses(*cell_.arm, groups_.size(), !corners_ && observations_.front().pose->position_only);
     requireMovingJoints(*cell_.arm, observations_, options_.allow_still_joints, result_.warnings);
     registerAll();
-    if (!corners_ && !options_.pose_sigmas_stated && !observations_.front().pose->position_only) estimatePoseSigmas();
+    if (!corners_ && !options_.sigmas_stated && !observations_.front().pose->position_only) estimatePoseSigmas();
     result_.leave_one_out = options_.leave_one_out || (options_.hold_out_every > 0 && groups_.size() <= kFewPoses);
     folds_ = makeFolds(groups_, options_, result_.leave_one_out);
     Judged judged = chooseCamera();
@@ -177,7 +176,7 @@ class Identifier {
     for (std::size_t k = 0; k < observations_.size(); ++k) suspect[k] = leftOut(judged.fit, k);
     Cell nominal = registered_;
     nominal.registration = closed_form_;
-    ErrorCollector train[3], test[3];
+    ErrorCollector calibration[3], test[3];
     const auto collect = [&](const Cell& cell, const std::vector<std::size_t>& subset, ErrorCollector& errors) {
       for (const std::size_t k : subset) {
         if (!suspect[k]) errors.add(cell, observations_[k], freePose(judged.fit, k));
@@ -187,20 +186,15 @@ class Identifier {
       const Cell registered = registerFrom(registered_, fold.train);
       const MethodFit fit = fitMethod(registered_, observations_, flange_, fold.train, options_, camera_free);
       const Cell* cells[3] = {&nominal, &registered, &fit.cell};
-      for (int stage = 0; stage < 3; ++stage) {
-        collect(*cells[stage], fold.test, test[stage]);
-        if (!result_.leave_one_out) collect(*cells[stage], fold.train, train[stage]);
-      }
+      for (int stage = 0; stage < 3; ++stage) collect(*cells[stage], fold.test, test[stage]);
       for (const std::size_t k : fold.test) {
         if (!suspect[k]) judged.held_out.push_back(k);
       }
     }
-    if (folds_.empty() || result_.leave_one_out) {
-      const Cell* cells[3] = {&nominal, &registered_, &judged.fit.cell};
-      for (int stage = 0; stage < 3; ++stage) collect(*cells[stage], all, train[stage]);
-    }
+    const Cell* cells[3] = {&nominal, &registered_, &judged.fit.cell};
+    for (int stage = 0; stage < 3; ++stage) collect(*cells[stage], all, calibration[stage]);
     const char* names[3] = {"nominal", "registered", "identified"};
-    for (int stage = 0; stage < 3; ++stage) judged.stages.push_back({names[stage], train[stage].summary(), test[stage].summary()});
+    for (int stage = 0; stage < 3; ++stage) judged.stages.push_back({names[stage], calibration[stage].summary(), test[stage].summary()});
     judged.held_out_squares = test[2].squares();
     return judged;
   }
@@ -305,6 +299,7 @@ class Identifier {
     result_.rank = fit.adjustment.rank;
     result_.condition_number = fit.adjustment.condition_number;
     result_.unseen = fit.adjustment.unseen;
+    result_.sigmas_stated = options_.sigmas_stated;
     result_.scale = fit.adjustment.scale;
     result_.reduced_chi_square = fit.adjustment.reducedChiSquare();
     result_.degrees_of_freedom = fit.adjustment.degrees_of_freedom;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "poecal/core/random.hpp"
+#include "poecal/core/statistics.hpp"
 
 namespace poecal {
 namespace {
@@ -32,13 +33,13 @@ std::vector<FlangeError> flangeErrors(const Arm& arm, const Arm& actual, const s
   return errors;
 }
 
-FlangeError meanError(const std::vector<FlangeError>& errors) {
-  FlangeError sum;
+FlangeError medianError(const std::vector<FlangeError>& errors) {
+  std::vector<double> positions, rotations;
   for (const FlangeError& error : errors) {
-    sum.position += error.position / static_cast<double>(errors.size());
-    sum.rotation += error.rotation / static_cast<double>(errors.size());
+    positions.push_back(error.position);
+    rotations.push_back(error.rotation);
   }
-  return sum;
+  return {median(std::move(positions)), median(std::move(rotations))};
 }
 
 PaperFit fitPaper(const Arm& nominal, const Arm& actual, const PoseTable& table, Method method, const std::vector<Eigen::VectorXd>& test) {
@@ -48,6 +49,7 @@ PaperFit fitPaper(const Arm& nominal, const Arm& actual, const PoseTable& table,
   options.hold_out_every = 0;  // the test poses judge
   options.tolerance_position = 0.0;
   options.tolerance_rotation = 0.0;
+  options.gao_length_unit = 1e-3;  // the paper's millimetres
   Cell cell;
   cell.arm = nominal;
   const std::vector<Observation> observations = poseObservations(table, 1e-3, 1e-3);
@@ -58,7 +60,7 @@ PaperFit fitPaper(const Arm& nominal, const Arm& actual, const PoseTable& table,
   fit.arm = *identification.model.cell.arm;
   fit.residuals = identification.gao_residuals;
   fit.test_poses = flangeErrors(fit.arm, actual, test);
-  fit.error = meanError(fit.test_poses);
+  fit.error = medianError(fit.test_poses);
   return fit;
 }
 
@@ -88,7 +90,7 @@ std::vector<PaperSeed> paperExperiment(const Arm& nominal, const Arm& actual, co
     const PoseTable table = paperPoses(actual, options, seed);
     PaperSeed result;
     result.nominal_test_poses = flangeErrors(nominal, actual, test);
-    result.nominal = meanError(result.nominal_test_poses);
+    result.nominal = medianError(result.nominal_test_poses);
     result.gao = fitPaper(nominal, actual, table, Method::kGao, test);
     result.weighted = fitPaper(nominal, actual, table, Method::kWeighted, test);
     seeds.push_back(std::move(result));

@@ -68,6 +68,9 @@ double agreeingMisfit(const Cell& cell, const std::vector<Observation>& observat
   return found.empty() ? std::numeric_limits<double>::infinity() : found.front().score;
 }
 
+// Above this number robust weights have enough good pictures to lean on, and judging one by one would take long.
+constexpr std::size_t kJudgedOneByOne = 60;
+
 /// A nominal arm is off by a per cent or two of the picture; a registration that leaves more than a twelfth of it is none.
 void requirePlausible(const Cell& cell, const std::vector<Observation>& observations, const Adjustment& fit) {
   std::vector<double> misfits;
@@ -219,8 +222,18 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   result.cell = result.adjustment.cell;
   requirePlausible(cell, observations, result.adjustment);
   std::vector<bool> out(observations.size(), false);
-  for (std::size_t k = 0; k < observations.size(); ++k) out[k] = keptShare(result.adjustment.weights[k]) < 0.5;
-  if (options.leave_out_bad && !cell.arm) leaveOutBad(observations, result, out);
+  const bool judged_one_by_one = options.leave_out_bad && !cell.arm && observations.size() <= kJudgedOneByOne;
+  if (judged_one_by_one) {
+    // Weights would find a few pictures that happen to agree; with every picture in, one is taken out only where the others demand it.
+    result.adjustment = adjust(result.cell, observations, registrationAdjustment(false));
+    result.cell = result.adjustment.cell;
+    leaveOutBad(observations, result, out);
+  } else {
+    for (std::size_t k = 0; k < observations.size(); ++k) out[k] = keptShare(result.adjustment.weights[k]) < 0.5;
+  }
+  for (const std::string& direction : result.adjustment.unseen) {
+    result.warnings.push_back("the registration does not determine " + direction + " (the arm's motions leave it open); it is held where it started");
+  }
 
   double used_squares = 0.0, used_corners = 0.0, all_squares = 0.0, all_corners = 0.0;
   double free_squares = 0.0, free_corners = 0.0, free_chi_square = 0.0, redundancy = 0.0;

@@ -78,6 +78,7 @@ Detections noisyCorners(const Simulation& simulation) {
       const double du = rng.normal();
       const double dv = rng.normal();
       corner.px += *simulation.scene.corner_sigma * Eigen::Vector2d(du, dv);
+      corner.sigma = *simulation.scene.corner_sigma;
     }
   }
   return detections;

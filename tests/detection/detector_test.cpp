@@ -6,6 +6,7 @@
 #include "detection/rendering.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/detection/detect_capture.hpp"
 #include "support/temp_folder.hpp"
 
 namespace poecal {

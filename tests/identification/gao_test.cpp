@@ -13,7 +13,7 @@ namespace {
 
 const std::filesystem::path kPuma = std::filesystem::path(POECAL_SOURCE_DIR) / "calib_data" / "puma560";
 
-GaoResult gaoOf(const Arm& nominal, const Arm& actual, int poses) {
+GaoResult gaoOf(const Arm& nominal, const Arm& actual, int poses, const GaoOptions& options = {}) {
   Rng rng = test::rngOfThisTest();
   std::vector<Eigen::VectorXd> q;
   std::vector<Eigen::Isometry3d> T_base_flange;
@@ -21,13 +21,13 @@ GaoResult gaoOf(const Arm& nominal, const Arm& actual, int poses) {
     q.push_back(test::uniformVector(rng, nominal.jointCount(), M_PI));
     T_base_flange.push_back(forwardKinematics(actual, q.back()));
   }
-  return gao(nominal, q, T_base_flange, {});
+  return gao(nominal, q, T_base_flange, options);
 }
 
 TEST(Gao, WithoutNoiseFallsQuadraticallyToRoundingInSixSteps) {
-  const GaoResult result = gaoOf(readRobotYaml(kPuma / "robot.yaml"), readRobotYaml(kPuma / "actual.yaml"), 50);
+  const GaoResult result = gaoOf(readRobotYaml(kPuma / "robot.yaml"), readRobotYaml(kPuma / "actual.yaml"), 50, {.length_unit = 1e-3});
   ASSERT_GE(result.residuals.size(), 5u);
-  EXPECT_GT(result.residuals.front(), 1e-3);
+  EXPECT_GT(result.residuals.front(), 1.0);  // mm and rad
   EXPECT_LT(result.residuals[std::min<std::size_t>(6, result.residuals.size() - 1)], 1e-9);
   EXPECT_EQ(result.rank, 30);  // 4 r + 6
 }
@@ -69,7 +69,7 @@ TEST(PaperExperiment, WeightedReachesTheStatisticalLimitAndGaoDoesNot) {
   EXPECT_EQ(seeds.size(), 20u);
   EXPECT_LE(median(weighted_position), 0.0180e-3);
   EXPECT_LE(median(weighted_rotation), 2.4e-4);
-  // Rows unweighted at the base mix radians and metres through the lever: several times worse on the same poses.
+  // Rows unweighted at the base mix radians and millimetres through the lever: several times worse on the same poses.
   EXPECT_GT(median(gao_position), 3.0 * median(weighted_position));
 }
 

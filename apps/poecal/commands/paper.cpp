@@ -29,7 +29,7 @@ std::string tableTwo(const Arm& nominal, const Arm& actual, const PaperSeed& see
 }
 
 std::string figureThree(const std::vector<double>& noisy, const std::vector<double>& exact) {
-  std::string text = "Figure 3: RMS of y after each iteration of gao (m and rad mixed)\n  iteration   with noise   without\n";
+  std::string text = "Figure 3: RMS of y after each iteration of gao (mm and rad mixed)\n  iteration   with noise   without\n";
   for (std::size_t k = 0; k < std::max(noisy.size(), exact.size()); ++k) {
     text += fmt::format("  {:>9}   {:>10}   {:>10}\n", k, k < noisy.size() ? fmt::format("{:.3e}", noisy[k]) : "", k < exact.size() ? fmt::format("{:.3e}", exact[k]) : "");
   }
@@ -71,7 +71,7 @@ std::function<int()> setUpPaper(CLI::App& app, const Common& common) {
     const std::vector<PaperSeed> without = paperExperiment(nominal, actual, exact);
 
     nlohmann::json json;
-    std::string medians = fmt::format("Mean error at {} unseen poses, median over {} seeds\n", options->paper.test_poses, seeds.size());
+    std::string medians = fmt::format("Median error at {} unseen poses, median over {} seeds\n", options->paper.test_poses, seeds.size());
     const auto row = [&](const char* name, FlangeError (*figure)(const PaperSeed&)) {
       const double position = medianOver(seeds, [figure](const PaperSeed& seed) { return figure(seed).position; });
       const double rotation = medianOver(seeds, [figure](const PaperSeed& seed) { return figure(seed).rotation; });

@@ -29,13 +29,15 @@ struct IdentifyOptions {
   double tolerance_rotation = 3e-3;  ///< 1 sigma prior of an axis' tilt [rad]; 0: none
   CameraChoice camera = CameraChoice::kAuto;
   bool robust = true;
-  /// Every how-manieth pose is held out to judge the fit; 0: none. The model itself is then fitted to all poses.
+  double gao_length_unit = 1.0;  ///< gao only: unit of length [m] that its unweighted rows mix with radians; the paper's is 1e-3
+  /// Every how-manieth pose is held out to judge the fit, in as many turns, so that each pose judges once; 0: none. The model itself is then
+  /// fitted to all poses.
   int hold_out_every = 5;
-  /// Each pose is held out in turn instead. Done by itself where there are at most 25 poses.
+  /// Each pose is held out alone instead. Done by itself where there are at most 25 poses.
   bool leave_one_out = false;
   bool registered = false;     ///< poses are T_base_flange already: both transforms are identity
-  /// Whether poses of an instrument came with their deviations; otherwise those of position and rotation are estimated.
-  bool pose_sigmas_stated = false;
+  /// Whether corners or poses came with their deviations. Without them corners count alike, and the ratio of position to rotation of poses is estimated.
+  bool sigmas_stated = false;
   bool allow_still_joints = false;  ///< a joint that never moved keeps its nominal axis instead of being an error
   void validate() const;
 };
@@ -60,14 +62,15 @@ struct Identification {
   Model model;
   Arm nominal;
   std::vector<AdjustmentStep> steps;  ///< of the final fit
-  std::vector<double> gao_residuals;  ///< RMS of y before each step, rad and m mixed as the paper has it; gao only
+  std::vector<double> gao_residuals;  ///< RMS of y before each step, rad and gao_length_unit mixed as the paper has it; gao only
   AdjustmentStatus status = AdjustmentStatus::kNotRun;
   std::vector<Stage> stages;
   std::vector<SuspectRow> suspects;
   int poses = 0;           ///< observations used
-  int held_out_poses = 0;  ///< of these, held out in turn or in one set
+  int held_out_poses = 0;  ///< of these, poses that judged a fit which did not see them
   bool leave_one_out = false;
   // Noise and fit
+  bool sigmas_stated = false;
   double scale = 0.0;               ///< of the stated sigmas; the sigma itself [px] where corners state none
   double sigma_position = 0.0;      ///< estimated, per axis [m]; poses only
   double sigma_rotation = 0.0;      ///< estimated, per axis [rad]; poses only

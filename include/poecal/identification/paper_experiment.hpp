@@ -17,7 +17,7 @@ struct PaperOptions {
   double noise_rotation = 1e-3;  ///< half width of the uniform noise of each component of a rotation vector, on the left [rad]
 };
 
-/// Mean over the test poses of the distance and the angle to the true flange.
+/// Distance and angle to the true flange, at one pose or in the median over the test poses.
 struct FlangeError {
   double position = 0.0;  ///< [m]
   double rotation = 0.0;  ///< [rad]
@@ -26,9 +26,9 @@ struct FlangeError {
 /// What one method made of one seed.
 struct PaperFit {
   Arm arm;
-  std::vector<double> residuals;       ///< gao: RMS of Y before the first step and after each, m and rad mixed
+  std::vector<double> residuals;       ///< gao: RMS of Y before the first step and after each, mm and rad mixed
   std::vector<FlangeError> test_poses;  ///< at each test pose, one pose an entry
-  FlangeError error;                    ///< mean over the test poses
+  FlangeError error;                    ///< median over the test poses
 };
 
 struct PaperSeed {
