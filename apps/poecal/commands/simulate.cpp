@@ -26,7 +26,7 @@ Example:
 
 std::string summaryText(const Arguments& arguments, const SimulateSummary& summary) {
   std::string text = fmt::format("{}: {} poses, {} {} with {} corners", arguments.out.string(), summary.poses, summary.samples,
-                                 summary.pictures ? "pictures" : "rows of detections", summary.corners);
+                                 summary.pictures ? "pictures" : "samples", summary.corners);
   if (summary.without_target > 0) text += fmt::format(", {} of them without a whole target", summary.without_target);
   if (summary.boards > 0) text += fmt::format(", {} intrinsics pictures", summary.boards);
   return text + fmt::format("\n{}: the arm, lens, registration and corners that they were made from\n", summary.truth.string());
