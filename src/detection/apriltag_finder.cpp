@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "detection/corner_finder.hpp"
+#include "detection/grid_corners.hpp"
 #include "detection/tag_detector.hpp"
 
 namespace poecal {
@@ -18,6 +20,7 @@ class AprilTagFinder : public CornerFinder {
         others_(options.other_tags.begin(), options.other_tags.end()),
         detector_(target.family) {
     for (const TargetTag& tag : target.tags) wanted_.insert(tag.id);
+    if (target.type == TargetType::kAprilGrid) grid_ = target;
   }
 
   Finding find(const cv::Mat& grey) override {
@@ -28,7 +31,9 @@ class AprilTagFinder : public CornerFinder {
       addUnseen(more, tags);
       tags = std::move(more);
     }
-    return choose(tags);
+    Finding finding = choose(tags);
+    if (grid_) settleGridCorners(*grid_, grey, finding.corners);
+    return finding;
   }
 
  private:
@@ -63,6 +68,7 @@ class AprilTagFinder : public CornerFinder {
   double quad_decimate_;
   std::set<int> others_;
   std::set<int> wanted_;
+  std::optional<Target> grid_;
   TagDetector detector_;
 };
 

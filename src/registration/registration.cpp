@@ -221,11 +221,13 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   result.cell = result.adjustment.cell;
   requirePlausible(cell, observations, result.adjustment);
   std::vector<bool> out(observations.size(), false);
+  std::optional<Cell> plain;
   const bool judged_one_by_one = options.leave_out_bad && !cell.arm && observations.size() <= kJudgedOneByOne;
   if (judged_one_by_one) {
     // Weights would find a few pictures that happen to agree; with every picture in, one is taken out only where the others demand it.
     result.adjustment = adjust(result.cell, observations, registrationAdjustment(false));
     result.cell = result.adjustment.cell;
+    plain = result.cell;
     leaveOutBad(observations, result, out);
   } else {
     for (std::size_t k = 0; k < observations.size(); ++k) out[k] = keptShare(result.adjustment.weights[k]) < 0.5;
@@ -243,7 +245,8 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
     sample.rms_px = cornerRms(result.cell, observations[k]);
     const double corners = observations[k].unitCount();
     if (std::isfinite(sample.rms_px)) {
-      all_squares += corners * sample.rms_px * sample.rms_px;
+      const double of_all = plain ? cornerRms(*plain, observations[k]) : sample.rms_px;
+      all_squares += corners * of_all * of_all;
       all_corners += corners;
       if (!out[k]) {
         used_squares += corners * sample.rms_px * sample.rms_px;

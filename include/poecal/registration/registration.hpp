@@ -37,7 +37,7 @@ struct RegistrationResult {
   Adjustment adjustment;   ///< its covariance and unseen directions: T_camera_near (6), then T_far_target (6)
   std::vector<RegisteredSample> samples;
   double rms_px = 0.0;       ///< sqrt(sum |r|^2 / N) over the corners that were used
-  double rms_all_px = 0.0;   ///< over all corners that can be projected
+  double rms_all_px = 0.0;   ///< over all corners that can be projected; where pictures were left out one by one, of the fit to every picture
   double free_rms_px = 0.0;  ///< with a pose for every picture: what the corners allow whatever the arm
   double corner_sigma_px = 0.0;  ///< per axis, from the free poses (2N - 6 numbers a picture); the stated sigma where there is no redundancy
   std::vector<std::string> warnings;

@@ -1,0 +1,58 @@
+#include <gmock/gmock.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "poecal/core/statistics.hpp"
+#include "poecal/detection/detector.hpp"
+#include "poecal/geometry/se3.hpp"
+#include "poecal/simulation/renderer.hpp"
+#include "support/random.hpp"
+#include "support/temp_folder.hpp"
+
+namespace poecal {
+namespace {
+
+// Kalibr's sheet has black squares that touch every corner of its tags; libapriltag alone finds half of the tags, some off by pixels.
+TEST(AprilGrid, CornersOfKalibrsSheetAreFoundAsSaddles) {
+  Camera camera;
+  camera.width = 1280;
+  camera.height = 960;
+  camera.fx = camera.fy = 1400.0;
+  camera.cx = 640.0;
+  camera.cy = 480.0;
+  camera.distortion = Eigen::VectorXd::Zero(5);
+  camera.distortion(0) = -0.08;
+  const Target grid = aprilgridTarget("tag36h11", 6, 4, 0.05, 0.3, 0);
+  Rng rng = test::rngOfThisTest();
+  std::vector<double> errors;
+  std::size_t found = 0, there = 0;
+  const test::TempFolder folder;
+  std::vector<std::string> names;
+  std::vector<Eigen::Isometry3d> poses;
+  for (int k = 0; k < 4; ++k) {
+    Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
+    T_camera_target.linear() =
+        expSo3({M_PI + rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4), 0.0}) * expSo3({0.0, 0.0, rng.uniform(-0.5, 0.5)});
+    T_camera_target.translation() = Eigen::Vector3d(0.0, 0.0, 0.75) - T_camera_target.linear() * Eigen::Vector3d(0.19, 0.12, 0.0);
+    poses.push_back(T_camera_target);
+    names.push_back("picture" + std::to_string(k) + ".png");
+    cv::imwrite((folder.path() / names.back()).string(),
+                renderTarget(camera, grid, T_camera_target, {}, 5, static_cast<std::uint64_t>(k), 4));
+  }
+  const DetectResult result = detect(folder.path(), names, grid, {});
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    there += grid.points.size();
+    for (const Corner& corner : result.detections.images[k].corners) {
+      const auto px = project(camera, poses[k] * grid.find(corner.id)->p_target);
+      ASSERT_TRUE(px);
+      errors.push_back((corner.px - *px).norm());
+      ++found;
+    }
+  }
+  EXPECT_GT(static_cast<double>(found), 0.9 * static_cast<double>(there));
+  // A saddle in a window of some 7 px at a noise of 2 grey levels is good to a few hundredths of a pixel.
+  EXPECT_LT(rms(errors), 0.1);
+  EXPECT_LT(quantile(errors, 1.0), 0.5);
+}
+
+}  // namespace
+}  // namespace poecal
