@@ -63,6 +63,17 @@ Eigen::MatrixXd gravityRegressor(const Arm& arm, const ArmChain& chain, const Ei
   return Y;
 }
 
+Eigen::MatrixXd carriedMomentRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity, std::size_t k) {
+  checkChain(arm, chain);
+  const Eigen::Matrix3d across_anchor = hat(chain.P.at(k) * arm.joints.at(k).anchor);
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(3, 4 * arm.jointCount());
+  for (std::size_t body = k; body < arm.joints.size(); ++body) {
+    const Eigen::Matrix<double, 6, 4> W = bodyWrench(chain.P[body + 1], gravity);
+    M.middleCols<4>(4 * static_cast<Eigen::Index>(body)) = W.topRows<3>() - across_anchor * W.bottomRows<3>();
+  }
+  return M;
+}
+
 Eigen::MatrixXd baseMomentRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity) {
   checkChain(arm, chain);
   Eigen::MatrixXd M(3, 4 * arm.jointCount());

@@ -93,7 +93,7 @@ TEST_P(Ports, NoDisturbanceHasTheBitsOfTheUndisturbedCell) {
   Rng rng = test::rngOfThisTest();
   const Example example = makeExample(rng, GetParam());
   const Eigen::Isometry3d T_base_flange = example.cell.baseFlange(example.sample);
-  Target target = pointsTarget({});
+  Target target;
   target.points = example.points;
   const std::vector<Corner> expected = predictCorners(example.cell, target, T_base_flange);
   ASSERT_EQ(expected.size(), example.points.size());

@@ -88,6 +88,10 @@ TEST(GravityRegressor, TimesTheMassesGivesTheTorques) {
   }
   const GravityLoad load = gravityLoad(arm, chain, kGravity);
   EXPECT_THAT(gravityRegressor(arm, chain, kGravity) * masses, IsNear(load.torque, kRounding));
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_THAT(carriedMomentRegressor(arm, chain, kGravity, k) * masses,
+                IsNear(load.carried.col(static_cast<Eigen::Index>(k)).head<3>(), kRounding));
+  }
   EXPECT_THAT(baseMomentRegressor(arm, chain, kGravity) * masses, IsNear(load.base.head<3>(), kRounding));
 }
 

@@ -32,7 +32,10 @@ GravityLoad gravityLoad(const Arm& arm, const ArmChain& chain, const Eigen::Vect
 /// @throws InvalidArgument if the chain is of an arm with another number of joints.
 Eigen::MatrixXd gravityRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity);
 
-/// Likewise the moment about the origin of base: 3 x 4n.
+/// Likewise the moment that joint k (from 0) carries about its anchor, in base: 3 x 4n, zero left of body k.
+Eigen::MatrixXd carriedMomentRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity, std::size_t k);
+
+/// Likewise the moment of all bodies about the origin of base: 3 x 4n.
 Eigen::MatrixXd baseMomentRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity);
 
 }  // namespace poecal
