@@ -3,8 +3,8 @@
 #include <exception>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
@@ -40,6 +40,7 @@ constexpr Command kCommands[] = {
     {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
     {"identify", "the arm's twists and home pose", setUpIdentify},
     {"predict", "the corners or flange poses that a model expects", setUpPredict},
+    {"effects", "the catalogue of effects: what each is, how it shows, what to do about it", setUpEffects},
     {"export", "the URDF with the calibrated geometry", setUpExport},
     {"paper", "the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},

@@ -28,19 +28,25 @@ YamlNode YamlNode::load(const std::filesystem::path& file) {
 
 int YamlNode::line() const { return node_.Mark().line + 1; }
 
-void YamlNode::fail(const std::string& message) const {
-  throw FileError(*file_, line(), name_.empty() ? message : name_ + ": " + message);
-}
+void YamlNode::fail(const std::string& message) const { throw FileError(*file_, line(), name_.empty() ? message : name_ + ": " + message); }
 
 void YamlNode::checkKeys(std::initializer_list<const char*> known) const {
   if (!isMap()) fail("expected a map");
   for (const auto& entry : node_) {
     const std::string key = entry.first.as<std::string>("");
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw FileError(*file_, entry.first.Mark().line + 1,
-                      fmt::format("unknown key '{}'{}, expected one of: {}", key, name_.empty() ? "" : " in " + name_, fmt::join(known, ", ")));
+      throw FileError(
+          *file_, entry.first.Mark().line + 1,
+          fmt::format("unknown key '{}'{}, expected one of: {}", key, name_.empty() ? "" : " in " + name_, fmt::join(known, ", ")));
     }
   }
+}
+
+std::vector<std::string> YamlNode::keys() const {
+  if (!isMap()) fail("expected a map");
+  std::vector<std::string> keys;
+  for (const auto& entry : node_) keys.push_back(entry.first.as<std::string>(""));
+  return keys;
 }
 
 bool YamlNode::has(const char* key) const { return isMap() && node_[key].IsDefined() && !node_[key].IsNull(); }

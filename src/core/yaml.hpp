@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
 #include <yaml-cpp/yaml.h>
+#include <Eigen/Core>
 
 namespace poecal {
 
@@ -27,6 +27,8 @@ class YamlNode {
 
   /// @throws FileError unless this is a map whose keys are all among `known`.
   void checkKeys(std::initializer_list<const char*> known) const;
+  /// Keys of a map, in the order of the file. @throws FileError unless this is a map.
+  std::vector<std::string> keys() const;
   bool has(const char* key) const;
   /// @throws FileError where the key is missing.
   YamlNode operator[](const char* key) const;

@@ -2,6 +2,7 @@
 
 #include "camera/camera_yaml.hpp"
 #include "core/yaml.hpp"
+#include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "poecal/identification/model.hpp"
 #include "robot/robot_yaml.hpp"
@@ -27,7 +28,8 @@ std::string armDeviationYaml(const Model& model) {
   std::string text = "  standard_deviation:  # of the twists (w, v) in base, and of Gamma as a left perturbation (w, v)\n    joints:\n";
   for (std::size_t k = 0; k < model.deviation.twists.size(); ++k) {
     const Vector6d& twist = model.deviation.twists[k];
-    text += fmt::format("    - {{name: {}, w: {}, v: {}}}\n", yamlText(model.cell.arm->joints[k].name), yamlVector(twist.head<3>()), yamlVector(twist.tail<3>()));
+    text += fmt::format("    - {{name: {}, w: {}, v: {}}}\n", yamlText(model.cell.arm->joints[k].name), yamlVector(twist.head<3>()),
+                        yamlVector(twist.tail<3>()));
   }
   if (model.deviation.gamma) text += fmt::format("    gamma: {}\n", rotationAndTranslation(*model.deviation.gamma));
   return text;
@@ -36,7 +38,8 @@ std::string armDeviationYaml(const Model& model) {
 std::string registrationYaml(const Model& model) {
   const Registration& registration = model.cell.registration;
   std::string text = "registration:\n";
-  text += fmt::format("  {}: {}\n  {}: {}\n", nearKey(model), yamlPose(registration.T_camera_near), farKey(model), yamlPose(registration.T_far_target));
+  text += fmt::format("  {}: {}\n  {}: {}\n", nearKey(model), yamlPose(registration.T_camera_near), farKey(model),
+                      yamlPose(registration.T_far_target));
   if (!model.deviation.T_camera_near || !model.deviation.T_far_target) return text;
   text += "  standard_deviation:  # of left perturbations (w, v) in the first-named frame\n";
   text += fmt::format("    {}: {}\n    {}: {}\n", nearKey(model), rotationAndTranslation(*model.deviation.T_camera_near), farKey(model),
@@ -60,13 +63,14 @@ std::string modelYaml(const Model& model) {
   text += fmt::format("method: {}\n", model.method);
   text += fmt::format("setup: {}\n", setupName(model.cell.registration.setup));
   if (!model.urdf.empty()) {
-    text += fmt::format("source: {{urdf: {}, base_link: {}, tip_link: {}}}\n", yamlText(model.urdf), yamlText(model.base_link), yamlText(model.tip_link));
+    text += fmt::format("source: {{urdf: {}, base_link: {}, tip_link: {}}}\n", yamlText(model.urdf), yamlText(model.base_link),
+                        yamlText(model.tip_link));
   }
   text += "robot:\n" + robotMapYaml(*model.cell.arm, 2) + armDeviationYaml(model);
   if (model.cell.camera) text += "camera:\n" + cameraYamlBlock(*model.cell.camera, 2);
   if (model.target) text += "target:\n" + targetYamlLines(*model.target, "  ");
   text += registrationYaml(model);
-  text += "effects: []\n";
+  text += effectsYaml(model.effects);
   return text;
 }
 
@@ -86,9 +90,8 @@ Model readModel(const std::filesystem::path& file) {
   if (const auto camera = root.find("camera")) model.cell.camera = parseCamera(*camera);
   if (const auto target = root.find("target")) model.target = parseTarget(*target);
   readRegistration(root, model);
-  if (const auto effects = root.find("effects")) {
-    if (!effects->items().empty()) effects->fail("effects are not built yet, expected an empty list");
-  }
+  constexpr bool kAsFound = true;
+  if (const auto effects = root.find("effects")) model.effects = readEffects(*effects, model.cell, kAsFound);
   return model;
 }
 

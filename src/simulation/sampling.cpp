@@ -7,9 +7,11 @@
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/random.hpp"
+#include "poecal/effects/catalogue.hpp"
 #include "poecal/simulation/simulate.hpp"
 #include "simulation/sight.hpp"
 #include "simulation/streams.hpp"
+#include "simulation/true_cell.hpp"
 
 namespace poecal {
 namespace {
@@ -22,6 +24,10 @@ const double kSquarelyCos = std::cos(std::numbers::pi / 3.0);
 /// Beyond this no detector reads a tag, whatever its size: 80 degrees.
 const double kGrazingCos = std::cos(std::numbers::pi * 80.0 / 180.0);
 constexpr double kSecondsBetweenRows = 10.0;
+constexpr double kFastest = 0.1;      ///< joint speeds of captures in motion [rad/s] or [m/s]
+constexpr double kColdStart = 20.0;   ///< [degrees Celsius]
+constexpr double kWarmUp = 15.0;      ///< [K], nearly all of it within the capture
+constexpr double kWarmUpTimes = 3.0;  ///< time constants in a capture
 
 /// Ranges to draw from: the limits, for a revolute joint cut to half a turn either way of their middle.
 std::vector<JointLimits> drawRanges(const Scene& scene) {
@@ -69,6 +75,25 @@ Eigen::VectorXd drawPose(const Scene& scene, const std::vector<JointLimits>& ran
                   pose + 1, scene.count, kDrawsOfPose));
 }
 
+/// Columns that some effect is driven by and that a capture without it does not have.
+void addDrivers(const Scene& scene, SampleTable& table) {
+  bool moves = false, warms = false;
+  for (const AppliedEffect& applied : scene.effects) {
+    moves = moves || applied.effect.driver() == "dq";
+    warms = warms || applied.effect.driver() == "temperature";
+  }
+  Rng rng(scene.seed, streamOf(Purpose::kDrivers));
+  const auto rows = static_cast<double>(table.samples.size());
+  for (std::size_t row = 0; row < table.samples.size(); ++row) {
+    Sample& sample = table.samples[row];
+    if (moves) {
+      sample.dq.resize(sample.q.size());
+      for (double& speed : sample.dq) speed = rng.uniform(-kFastest, kFastest);
+    }
+    if (warms) sample.temperature = kColdStart + kWarmUp * (1.0 - std::exp(-kWarmUpTimes * static_cast<double>(row) / rows));
+  }
+}
+
 /// +1 or -1 per joint; 0 where it did not move.
 Eigen::VectorXd directions(const Eigen::VectorXd& from, const Eigen::VectorXd& to) { return (to - from).cwiseSign(); }
 
@@ -96,16 +121,25 @@ SampleTable drawSamples(const Scene& scene) {
     }
     previous = q;
   }
+  addDrivers(scene, table);
   return table;
 }
 
 std::vector<ImageCorners> trueCorners(const Scene& scene, const SampleTable& samples) {
-  const Cell cell{.arm = scene.actual, .camera = scene.camera, .registration = scene.registration};
+  const Cell cell = trueCell(scene);
+  const std::vector<Disturbance> disturbances = trueDisturbances(scene, samples.samples);
   std::vector<ImageCorners> images;
-  for (const Sample& sample : samples.samples) {
+  for (std::size_t k = 0; k < samples.samples.size(); ++k) {
+    const Sample& sample = samples.samples[k];
+    const Disturbance& disturbance = disturbances[k];
+    const auto px = disturbedCorners(cell, sample, scene.target.points, disturbance);
     ImageCorners image{.image = sample.image, .corners = {}};
-    const Eigen::Isometry3d T_camera_target = scene.registration.cameraTarget(cell.baseFlange(sample));
-    for (const FaceSight& sight : sightOf(scene.camera, scene.target, T_camera_target)) {
+    for (FaceSight& sight : sightOf(disturbedCamera(cell, disturbance), scene.target, disturbedTarget(cell, sample, disturbance))) {
+      for (Corner& corner : sight.corners) {
+        const auto index = static_cast<std::size_t>(scene.target.find(corner.id) - scene.target.points.data());
+        sight.complete = sight.complete && px[index].has_value();
+        corner.px = px[index].value_or(corner.px);
+      }
       if (!sight.complete || sight.facing_cos < kGrazingCos || !inPicture(scene.camera, sight.corners, 0.0)) continue;
       image.corners.insert(image.corners.end(), sight.corners.begin(), sight.corners.end());
     }

@@ -6,10 +6,12 @@
 
 #include "capture/manifest.hpp"
 #include "core/yaml.hpp"
+#include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/random.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/effects/catalogue.hpp"
 #include "poecal/robot/robot_file.hpp"
 #include "simulation/streams.hpp"
 
@@ -135,9 +137,16 @@ void readOutput(const YamlNode& root, Scene& scene) {
   }
 }
 
-void refuseEffects(const YamlNode& root) {
-  const auto effects = root.find("effects");
-  if (effects && !effects->items().empty()) effects->fail("effects are not built yet, expected none");
+void readEffectsPart(const YamlNode& root, Scene& scene) {
+  const auto list = root.find("effects");
+  if (!list) return;
+  scene.effects = readEffects(*list, {.arm = scene.actual, .camera = scene.camera, .registration = scene.registration});
+  for (const AppliedEffect& applied : scene.effects) {
+    if (scene.image && applied.effect.kind().moves_points) {
+      list->fail(
+          fmt::format("{} moves single points, which pictures cannot show, expected corners: {{sigma: ...}}", applied.effect.name()));
+    }
+  }
 }
 
 }  // namespace
@@ -159,7 +168,6 @@ Scene readScene(const std::filesystem::path& file) {
   root.checkFormat("poecal-scene/1");
   root.checkKeys({"format", "name", "setup", "robot", "base_link", "tip_link", "errors", "actual", "camera", "stated", "target",
                   "stated_target", "registration", "samples", "effects", "image", "corners", "intrinsics"});
-  refuseEffects(root);
   Scene scene;
   scene.file = file;
   scene.name = file.stem().string();
@@ -174,6 +182,7 @@ Scene readScene(const std::filesystem::path& file) {
   scene.registration = readRegistration(root);
   readSamplesPart(root, scene);
   readOutput(root, scene);
+  readEffectsPart(root, scene);
   return scene;
 }
 

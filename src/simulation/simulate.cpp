@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/yaml.hpp"
+#include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/parallel.hpp"
@@ -14,6 +15,7 @@
 #include "poecal/simulation/renderer.hpp"
 #include "simulation/board_poses.hpp"
 #include "simulation/streams.hpp"
+#include "simulation/true_cell.hpp"
 
 namespace poecal {
 namespace {
@@ -22,6 +24,7 @@ namespace {
 struct Simulation {
   const Scene& scene;
   SampleTable samples;
+  std::vector<Disturbance> disturbances;          ///< by the scene's effects, one entry per sample
   std::vector<ImageCorners> corners;              ///< exact, one entry per sample
   std::vector<Eigen::Isometry3d> T_camera_board;  ///< of the intrinsics pictures
 };
@@ -48,12 +51,14 @@ std::string boardPictureName(std::size_t index) { return fmt::format("{:04}.png"
 
 void writePictures(const Simulation& simulation, const std::filesystem::path& folder, int jobs) {
   const Scene& scene = simulation.scene;
+  const Cell cell = trueCell(scene);
   Progress progress("pictures", simulation.samples.samples.size());
   parallelFor(simulation.samples.samples.size(), jobs, [&](std::size_t k) {
     const Sample& sample = simulation.samples.samples[k];
-    const Eigen::Isometry3d T_camera_target = scene.registration.cameraTarget(forwardKinematics(scene.actual, sample.q));
+    const Disturbance& disturbance = simulation.disturbances[k];
     writePicture(folder / sample.image,
-                 renderTarget(scene.camera, scene.target, T_camera_target, *scene.image, scene.seed, streamOf(Purpose::kPicture, k)));
+                 renderTarget(disturbedCamera(cell, disturbance), scene.target, disturbedTarget(cell, sample, disturbance), *scene.image,
+                              scene.seed, streamOf(Purpose::kPicture, k)));
     progress.advance();
   });
 }
@@ -120,7 +125,7 @@ std::string truthYaml(const Scene& scene) {
   std::string text = fmt::format("format: poecal-truth/1\nname: {}\nsetup: {}\n", yamlText(scene.name), setupName(registration.setup));
   text += fmt::format("registration:\n  T_camera_{}: {}\n  T_{}_target: {}\n", registration.nearFrame(),
                       yamlPose(registration.T_camera_near), registration.farFrame(), yamlPose(registration.T_far_target));
-  text += fmt::format("seed: {}\neffects: []\n", scene.seed);
+  text += fmt::format("seed: {}\n", scene.seed) + effectsYaml(scene.effects);
   if (scene.image) {
     text += fmt::format("image: {{blur: {}, noise: {}, background: {}}}\n", formatNumber(scene.image->blur),
                         formatNumber(scene.image->noise), scene.image->background);
@@ -128,6 +133,16 @@ std::string truthYaml(const Scene& scene) {
     text += fmt::format("corners: {{sigma: {}}}\n", formatNumber(*scene.corner_sigma));
   }
   return text;
+}
+
+/// The samples with the joints that the arm really had.
+SampleTable trueSamples(const Simulation& simulation) {
+  SampleTable table = simulation.samples;
+  for (std::size_t k = 0; k < table.samples.size(); ++k) {
+    const Eigen::VectorXd& offsets = simulation.disturbances[k].joints;
+    if (offsets.size() > 0) table.samples[k].q += offsets;
+  }
+  return table;
 }
 
 /// Exact corners of the intrinsics pictures.
@@ -150,7 +165,7 @@ void writeTruth(const Simulation& simulation, const std::filesystem::path& folde
   writeTextFile(folder / "camera.yaml", cameraYaml(scene.camera));
   writeTextFile(folder / "target.yaml", targetYaml(scene.target));
   writeTextFile(folder / "corners.csv", detectionsCsv({simulation.corners}));
-  writeTextFile(folder / "samples.csv", samplesCsv(simulation.samples));
+  writeTextFile(folder / "samples.csv", samplesCsv(trueSamples(simulation)));
   if (scene.board) writeTextFile(folder / "intrinsics_corners.csv", detectionsCsv(boardCorners(simulation)));
 }
 
@@ -174,7 +189,8 @@ SimulateSummary simulate(const Scene& scene, const std::filesystem::path& captur
   const std::filesystem::path truth = folder.string() + "-truth";
   requireEmpty(folder);
   requireEmpty(truth);
-  Simulation simulation{.scene = scene, .samples = drawSamples(scene), .corners = {}, .T_camera_board = {}};
+  Simulation simulation{.scene = scene, .samples = drawSamples(scene), .disturbances = {}, .corners = {}, .T_camera_board = {}};
+  simulation.disturbances = trueDisturbances(scene, simulation.samples.samples);
   simulation.corners = trueCorners(scene, simulation.samples);
   if (scene.board) simulation.T_camera_board = drawBoardPoses(scene.camera, *scene.board, scene.board_count, scene.seed);
   writeTruth(simulation, truth);

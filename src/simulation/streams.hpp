@@ -6,7 +6,7 @@
 
 namespace poecal {
 
-enum class Purpose : std::uint64_t { kErrors = 1, kSamples, kPicture, kCornerNoise, kBoardPose, kBoardPicture };
+enum class Purpose : std::uint64_t { kErrors = 1, kSamples, kPicture, kCornerNoise, kBoardPose, kBoardPicture, kDrivers };
 
 /// Stream of item `index` (below 2^32) of a purpose, for Rng(seed, stream).
 constexpr std::uint64_t streamOf(Purpose purpose, std::size_t index = 0) {

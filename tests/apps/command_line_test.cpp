@@ -37,7 +37,7 @@ TEST_F(CommandLine, HelpListsEveryCommand) {
   const test::ProgramRun result = run("--help");
   EXPECT_EQ(result.status, 0);
   for (const char* name :
-       {"run", "intrinsics", "detect", "measure", "identify", "diagnose", "predict", "simulate", "plan", "export", "report"}) {
+       {"run", "intrinsics", "detect", "measure", "identify", "diagnose", "predict", "simulate", "plan", "effects", "export", "report"}) {
     EXPECT_THAT(result.out, HasSubstr(std::string("\n  ") + name + " ")) << name;
   }
 }
@@ -66,7 +66,8 @@ TEST_P(EachCommand, HelpShowsARun) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EachCommand,
-                         ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "predict", "export", "paper"),
+                         ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "predict", "effects", "export",
+                                           "paper"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 class CommandOfLater : public ::testing::TestWithParam<const char*> {};

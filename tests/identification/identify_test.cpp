@@ -6,6 +6,7 @@
 #include "cell/linearisation.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
+#include "poecal/effects/catalogue.hpp"
 #include "poecal/simulation/simulate.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
@@ -116,7 +117,8 @@ TEST(Identify, AFifthOfWrongRowsIsListedAndDoesNotMoveTheModel) {
     if (k % 2 == 0) {
       data.calibration[k].q = data.calibration[(k + 7) % data.calibration.size()].q;  // another row's joints
     } else {
-      for (CornerMeasurement& corner : data.calibration[k].corners) corner.px += Eigen::Vector2d(rng.uniform(-60, 60), rng.uniform(-60, 60));
+      for (CornerMeasurement& corner : data.calibration[k].corners)
+        corner.px += Eigen::Vector2d(rng.uniform(-60, 60), rng.uniform(-60, 60));
     }
   }
   const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
@@ -150,9 +152,9 @@ TEST(Identify, AllThreeMethodsAgreeAndHoldTheJointConstraints) {
   ErrorCollector before;
   Cell registered = registerCell(data.nominal, data.calibration, {}).cell;
   for (const Observation& observation : data.unseen) before.add(registered, observation, nullptr);
-  EXPECT_LT(rms[0], 0.1);                              // below the noise of one corner
-  EXPECT_LT(rms[1], 2.0 * rms[0]);                     // poses carry nearly all that the corners know
-  EXPECT_LT(rms[2], 0.5 * before.summary().px.rms);    // unweighted still beats no identification
+  EXPECT_LT(rms[0], 0.1);                            // below the noise of one corner
+  EXPECT_LT(rms[1], 2.0 * rms[0]);                   // poses carry nearly all that the corners know
+  EXPECT_LT(rms[2], 0.5 * before.summary().px.rms);  // unweighted still beats no identification
 }
 
 TEST(Identify, HeldOutPosesFallFromRungToRung) {
@@ -195,7 +197,8 @@ TEST(Identify, AWrongLensIsSaidAndARightOneIsNot) {
   const Identification wrong = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
   EXPECT_TRUE(wrong.camera_refitted);
   EXPECT_THAT(wrong.warnings, ::testing::Contains(::testing::HasSubstr("the stated lens is wrong")));
-  EXPECT_NEAR(wrong.model.cell.camera->distortion(0), data.truth.camera->distortion(0), 5.0 * wrong.model.cell.camera->standard_deviation(4));
+  EXPECT_NEAR(wrong.model.cell.camera->distortion(0), data.truth.camera->distortion(0),
+              5.0 * wrong.model.cell.camera->standard_deviation(4));
 }
 
 TEST(Identify, ModelFileReadsBackAsTheSameModel) {
@@ -203,12 +206,18 @@ TEST(Identify, ModelFileReadsBackAsTheSameModel) {
   Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
   found.model.target = data.target;
   const test::TempFolder folder;
+  const AppliedEffect backlash =
+      makeEffect({.effect = "joint_backlash", .location = "joint:2", .parameters = {{"half_gap", 3.1e-4}}, .driver = ""}, found.model.cell);
+  found.model.effects = {backlash};
   const Model model = readModel(folder.write("model.yaml", modelYaml(found.model)));
   for (const Observation& observation : data.unseen) {
     const auto expected = found.model.cell.registration.cameraTarget(modelFlange(found.model.cell, observation));
     EXPECT_THAT(model.cell.registration.cameraTarget(modelFlange(model.cell, observation)), test::PoseIsNear(expected, 1e-13));
   }
   EXPECT_EQ(model.cell.camera->parameters(), found.model.cell.camera->parameters());
+  ASSERT_EQ(model.effects.size(), 1u);
+  EXPECT_EQ(model.effects.front().effect.name() + " " + model.effects.front().effect.location(), "joint_backlash joint:2");
+  EXPECT_EQ(model.effects.front().parameters, backlash.parameters);
 }
 
 TEST(Identify, ReportIsJsonWithEveryPartOfTheContract) {

@@ -132,7 +132,12 @@ TEST(Scene, ActualArmOfOtherJointsIsAnError) {
 
 TEST(Scene, ErrorsNameLineAndExpectation) {
   EXPECT_THAT(errorOf("effects: [{effect: joint_gain, location: joint:1}]\n"),
-              HasSubstr("scene.yaml:8: effects: effects are not built yet"));
+              HasSubstr("scene.yaml:8: effects[0]: key 'parameters' is missing"));
+  EXPECT_THAT(errorOf("effects:\n- {effect: joint_gain, location: joint:4, parameters: {gain: 0.1}}\n"),
+              HasSubstr("scene.yaml:9: effects[0]: joint_gain cannot be at 'joint:4', expected joint:1 to joint:3"));
+  EXPECT_THAT(
+      errorOf("effects: [{effect: corner_bias, location: detector, parameters: {outward: 0.1}}]\n"),
+      HasSubstr("scene.yaml:8: effects: corner_bias moves single points, which pictures cannot show, expected corners: {sigma: ...}"));
   EXPECT_THAT(errorOf("colour: red\n"), HasSubstr("scene.yaml:8: unknown key 'colour'"));
   EXPECT_THAT(errorOf("samples: {count: 0}\n"), HasSubstr("scene.yaml:8: samples.count: is 0, expected 1 or more"));
   EXPECT_THAT(errorOf("samples: {file: samples.csv}\n"), HasSubstr("scene.yaml:8: samples.file: 'samples.csv' is not there"));

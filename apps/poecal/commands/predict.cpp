@@ -1,6 +1,6 @@
 // poecal predict: what a model expects for joints: corners, or flange poses.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
@@ -10,20 +10,22 @@
 #include "poecal/core/csv.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/effects/catalogue.hpp"
 #include "poecal/identification/model.hpp"
 
 namespace poecal::app {
 namespace {
 
-std::string posesCsv(const Model& model, const std::vector<Sample>& samples) {
+std::string posesCsv(const Model& model, const std::vector<Sample>& samples, const std::vector<Disturbance>& disturbances) {
   std::vector<std::string> header;
   const bool images = !samples.empty() && !samples.front().image.empty();
   if (images) header.emplace_back("image");
   for (int k = 1; k <= model.cell.arm->jointCount(); ++k) header.push_back(fmt::format("q{}", k));
   for (const char* name : {"x", "y", "z", "qx", "qy", "qz", "qw"}) header.emplace_back(name);
   CsvWriter csv(header);
-  for (const Sample& sample : samples) {
-    const Eigen::Isometry3d T_base_flange = model.cell.baseFlange(sample);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const Sample& sample = samples[k];
+    const Eigen::Isometry3d T_base_flange = disturbedFlange(model.cell, sample, disturbances[k]);
     if (images) csv.cell(sample.image);
     for (const double q : sample.q) csv.cell(q);
     for (const double t : T_base_flange.translation()) csv.cell(t);
@@ -34,11 +36,16 @@ std::string posesCsv(const Model& model, const std::vector<Sample>& samples) {
   return csv.str();
 }
 
-std::string cornersCsv(const Model& model, const std::vector<Sample>& samples) {
+std::string cornersCsv(const Model& model, const std::vector<Sample>& samples, const std::vector<Disturbance>& disturbances) {
   if (!model.cell.camera || !model.target) throw InvalidArgument("this model has no camera and target: only --poses can be predicted");
   Detections detections;
-  for (const Sample& sample : samples) {
-    detections.images.push_back({sample.image, predictCorners(model.cell, *model.target, model.cell.baseFlange(sample))});
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    ImageCorners image{.image = samples[k].image, .corners = {}};
+    const auto px = disturbedCorners(model.cell, samples[k], model.target->points, disturbances[k]);
+    for (std::size_t j = 0; j < px.size(); ++j) {
+      if (px[j]) image.corners.push_back({.id = model.target->points[j].id, .px = *px[j]});
+    }
+    detections.images.push_back(std::move(image));
   }
   return detectionsCsv(detections);
 }
@@ -66,16 +73,22 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
   return [options, &common] {
     if (options->capture.empty() == options->joints.empty()) throw InvalidArgument("predict needs a CAPTURE or --joints");
     const Model model = readModel(options->model);
-    const std::vector<Sample> samples = options->joints.empty() ? readCapture(options->capture).table.samples : readJoints(options->joints, *model.cell.arm);
+    Capture capture;
+    if (!options->capture.empty()) capture = readCapture(options->capture);
+    const std::vector<Sample> samples = options->joints.empty() ? capture.table.samples : readJoints(options->joints, *model.cell.arm);
     for (const Sample& sample : samples) {
       if (sample.q.size() != model.cell.arm->jointCount()) {
-        throw InsufficientData(fmt::format("the samples have {} joint readings, the model has {} joints", sample.q.size(), model.cell.arm->jointCount()));
+        throw InsufficientData(
+            fmt::format("the samples have {} joint readings, the model has {} joints", sample.q.size(), model.cell.arm->jointCount()));
       }
     }
+    const std::vector<Disturbance> disturbances =
+        disturbancesOf(model.effects, model.cell, model.target.value_or(Target{}), capture.gravity, samples);
     const bool poses = options->poses || !options->joints.empty();
-    writeTextFile(options->out, poses ? posesCsv(model, samples) : cornersCsv(model, samples));
-    printSummary(common, fmt::format("predicted {} for {} samples: {}\n", poses ? "flange poses" : "corners", samples.size(), options->out.string()),
-                 {{"samples", samples.size()}, {"out", options->out.string()}});
+    writeTextFile(options->out, poses ? posesCsv(model, samples, disturbances) : cornersCsv(model, samples, disturbances));
+    printSummary(
+        common, fmt::format("predicted {} for {} samples: {}\n", poses ? "flange poses" : "corners", samples.size(), options->out.string()),
+        {{"samples", samples.size()}, {"out", options->out.string()}});
     return 0;
   };
 }

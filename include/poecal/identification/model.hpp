@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "poecal/cell/cell.hpp"
+#include "poecal/effects/effect.hpp"
 #include "poecal/target/target.hpp"
 
 namespace poecal {
@@ -24,13 +25,14 @@ struct Model {
   Cell cell;  ///< its arm calibrated, its camera with standard deviations; no camera for models from poses
   std::optional<Target> target;
   ModelDeviation deviation;
-  std::string method;                 ///< "gao", "weighted", "bundle"
+  std::vector<AppliedEffect> effects;     ///< found by a diagnosis; what it stands beside is `cell`
+  std::string method;                     ///< "gao", "weighted", "bundle"
   std::string urdf, base_link, tip_link;  ///< where the arm came from a URDF
 };
 
 /// Text of model.yaml (format poecal-model/1).
 std::string modelYaml(const Model& model);
-/// @throws FileError as the readers of the parts do. Effects are an error until they are built.
+/// @throws FileError as the readers of the parts do.
 Model readModel(const std::filesystem::path& file);
 
 }  // namespace poecal

@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "poecal/cell/cell.hpp"
+#include "poecal/effects/effect.hpp"
 
 namespace poecal {
 
@@ -30,6 +32,7 @@ struct Scene {
   Target target;                     ///< the true target
   Target stated_target;              ///< what the capture is told
   Registration registration;
+  std::vector<AppliedEffect> effects;  ///< what else is wrong with the cell; nobody tells the capture
   int count = 60;                      ///< poses; ignored where samples come from a file
   std::uint64_t seed = 1;              ///< of the samples, the pictures and the noise
   int repeats = 1;                     ///< shots per pose
@@ -47,7 +50,8 @@ struct Scene {
 /// `samples: {count, seed, repeats}` or `samples: {file, seed}`; each has the default of Scene. Without `image:` and `corners:` pictures
 /// are drawn. `errors: {seed, position, rotation}` turns every axis about two directions across it and shifts it along them (revolute), 1
 /// sigma each per joint.
-/// @throws FileError with the line. `effects:` that are not empty are an error that says that effects are not built yet.
+/// `effects:` as makeEffect takes them; those that move single points or pixels need `corners:`, pictures cannot be drawn of them.
+/// @throws FileError with the line.
 Scene readScene(const std::filesystem::path& file);
 
 }  // namespace poecal

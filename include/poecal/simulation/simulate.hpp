@@ -17,13 +17,13 @@ struct SimulateOptions {
 /// cut to +-pi about their middle) and kept where the whole target is before the camera and in the picture, 5 % of the picture's width and
 /// height away from its borders, and where it faces the camera within 60 degrees with tags' sides of at least 40 px (a board's squares: 15
 /// px); of several tags one must. Rows carry q1..qn, pose, stamp (10 s apart), dir1..dirn (side from which each joint came from the pose
-/// before).
+/// before); and, where an effect is driven by them, dq1..dqn or temperature.
 /// @throws InsufficientData where 1000 draws for a pose find none in view, with what to change. FileError: a prismatic joint without
 /// limits.
 SampleTable drawSamples(const Scene& scene);
 
 /// Exact corners of a scene, one entry per sample, of tags (or the board) that face the camera within 80 degrees and are in the picture
-/// whole. Tags that other tags hide are not left out.
+/// whole, with the scene's effects. Tags that other tags hide are not left out.
 std::vector<ImageCorners> trueCorners(const Scene& scene, const SampleTable& samples);
 
 /// What was written.
@@ -40,7 +40,8 @@ struct SimulateSummary {
 /// Writes the capture folder `capture` and the folder `capture`-truth beside it: truth.yaml (registration, the scene's seeds and noise),
 /// actual.yaml (the arm), camera.yaml, target.yaml, corners.csv (exact), samples.csv (the joints that the arm really had). Deterministic by
 /// the scene's seeds, whatever options.jobs. With intrinsics pictures the truth also holds their exact corners, intrinsics_corners.csv.
-/// @throws FileError if one of the two folders exists and is not empty.
+/// @throws FileError if one of the two folders exists and is not empty; InsufficientData where the samples lack what an effect is driven
+/// by.
 SimulateSummary simulate(const Scene& scene, const std::filesystem::path& capture, const SimulateOptions& options);
 
 }  // namespace poecal

@@ -1,0 +1,78 @@
+// The catalogue: every kind of effect, what it is, how to make one, and which of them a capture can tell of.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "poecal/capture/capture.hpp"
+#include "poecal/effects/effect.hpp"
+
+namespace poecal {
+
+/// What a sample or the cell must have for an effect to be testable.
+enum class Need { kJoints, kDir, kDq, kStamp, kTemperature, kRevolute, kTags, kSeveralTags, kTangential, kCamera };
+
+/// A kind of effect. Adding one: a file under src/effects/, a row in kinds.hpp.
+struct EffectKind {
+  std::string name;
+  PlaceKind place = PlaceKind::kJoint;
+  /// Words of the contract, with K for the place's number and J for another joint's; the first is the default.
+  std::vector<std::string> drivers;
+  std::vector<EffectParameter> parameters;  ///< units of a turning joint; "/t": "/h" where stamps drive it, "/K" where the temperature does
+  std::vector<Need> needs;
+  std::string meaning;  ///< one line
+  std::string formula;
+  std::vector<std::string> confused_with;  ///< names of kinds
+  std::string separate;                    ///< what tells it from those
+  std::string remedy;                      ///< what to do about it at a real cell
+
+  /// Adds amount * d(disturbance)/d(parameter i).
+  using AddDerivative = void (*)(const Effect&, Eigen::Index i, const Eigen::VectorXd& parameters, const SampleContext&, double amount,
+                                 Disturbance&);
+  /// Adds a random draw.
+  using AddDraw = void (*)(const Effect&, const Eigen::VectorXd& parameters, const SampleContext&, Disturbance&);
+  AddDerivative add_derivative = nullptr;  ///< nullptr: adds nothing
+  AddDraw add_draw = nullptr;              ///< nullptr: not random
+
+  /// It is a compliance times gravity's load; see Effect::byMasses.
+  bool yields_to_gravity = false;
+  /// It moves single points or pixels, so that pictures cannot be drawn by moving the target or changing the lens.
+  bool moves_points = false;
+  /// "joint:K", "camera.lens", ...
+  std::string placePattern() const;
+};
+
+/// All kinds, in the contract's order.
+const std::vector<EffectKind>& effectKinds();
+/// nullptr where there is none of that name.
+const EffectKind* findEffectKind(const std::string& name);
+/// @throws InvalidArgument with the names that there are.
+const EffectKind& effectKind(const std::string& name);
+
+/// The instance that a spec names, with its values: parameters that the spec leaves out are 0.
+/// @throws InvalidArgument: unknown effect, location, driver or parameter (with those that there are); a scanned or fixed parameter
+/// left out; a joint that the cell does not have.
+AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell);
+
+/// Why an effect cannot be tested with these samples, or empty where it can: "no dq1.. columns".
+std::string whyNotTestable(const Effect& effect, const Cell& cell, const Target& target, const std::vector<Sample>& samples);
+
+/// What effects do to each sample of a capture; points are those of the target.
+/// @param at_random  with the draws of the random ones, as the simulator wants.
+/// @throws InsufficientData: an effect is driven by what some sample lacks.
+std::vector<Disturbance> disturbancesOf(const std::vector<AppliedEffect>& effects, const Cell& cell, const Target& target,
+                                        const Eigen::Vector3d& gravity, const std::vector<Sample>& samples, bool at_random = false);
+
+/// An instance that cannot be tested, and why.
+struct NotTestable {
+  std::string effect, location, why;
+};
+
+/// Every instance that a cell can have: one per joint or link, driver, source joint and tag.
+struct Candidates {
+  std::vector<Effect> effects;
+  std::vector<NotTestable> not_testable;
+};
+Candidates candidateEffects(const Cell& cell, const Target& target, const std::vector<Sample>& samples);
+
+}  // namespace poecal

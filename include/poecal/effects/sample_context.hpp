@@ -1,0 +1,68 @@
+// What effects may know of a sample: its readings, what gravity does to the arm there, and where its points are in the picture.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "poecal/capture/capture.hpp"
+#include "poecal/cell/cell.hpp"
+#include "poecal/geometry/se3.hpp"
+#include "poecal/target/target.hpp"
+
+namespace poecal {
+
+/// One point of the target in one sample. NaN where the undisturbed cell has no pixel for it.
+struct PointContext {
+  PointId id;
+  Eigen::Vector3d p_target = Eigen::Vector3d::Zero();
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();           ///< of the undisturbed cell
+  Eigen::Vector2d px_velocity = Eigen::Vector2d::Zero();  ///< by the joint velocities [px/s]; zero where none are known
+  /// Motion of the corner when both edges that meet there move out by 1 px; zero where the point is no corner of a tag.
+  Eigen::Vector2d px_outward = Eigen::Vector2d::Zero();
+};
+
+/// What all samples of a capture have in common.
+struct CaptureContext {
+  Cell cell;  ///< undisturbed: nominal or identified
+  Target target;
+  Eigen::Vector3d center_target = Eigen::Vector3d::Zero();  ///< mean of the target's points [m]
+  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
+  double first_stamp = 0.0, last_stamp = 0.0;  ///< [s]
+  double first_temperature = 0.0;              ///< [degrees Celsius]
+};
+
+/// One sample with what effects need of it.
+struct SampleContext {
+  std::shared_ptr<const CaptureContext> capture;
+  std::size_t number = 0;  ///< of the sample in its table
+  Sample sample;
+  /// Gravity torques (n) and, about each joint's anchor, in the frame of body k, the moment that joint k carries (3 x n) [N m]; NaN where
+  /// the arm's masses are not known. Empty without an arm.
+  Eigen::VectorXd torque;
+  Eigen::Matrix3Xd moment_body;
+  /// Moment of gravity on the whole arm about the origin of base, in base [N m]; NaN likewise.
+  Eigen::Vector3d base_moment = Eigen::Vector3d::Zero();
+  /// Where the masses are not known: the same three by each body's (m, m com), n x 4n, n of 3 x 4n and 3 x 4n; otherwise empty.
+  Eigen::MatrixXd torque_by_masses;
+  std::vector<Eigen::MatrixXd> moment_body_by_masses;
+  Eigen::MatrixXd base_moment_by_masses;
+  std::vector<PointContext> points;
+
+  /// Hours since the first stamp, or kelvin above the first temperature, by what drives the effect ("stamp", "temperature"); NaN where
+  /// the sample has no such value.
+  double elapsed(const std::string& driver) const;
+};
+
+/// The common part. @param table  for the first and last stamp and the first temperature.
+std::shared_ptr<const CaptureContext> makeCaptureContext(const Cell& cell, const Target& target, const Eigen::Vector3d& gravity,
+                                                         const std::vector<Sample>& samples);
+
+/// @param points  those of the sample whose pixels are wanted, in the order of the disturbance's points and pixels.
+SampleContext makeSampleContext(const std::shared_ptr<const CaptureContext>& capture, const Sample& sample, std::size_t number,
+                                const std::vector<TargetPoint>& points);
+
+}  // namespace poecal

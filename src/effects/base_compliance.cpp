@@ -1,0 +1,36 @@
+// base_compliance: the pedestal tilts with the arm's moment.
+#include "effects/kinds.hpp"
+#include "effects/shapes.hpp"
+
+namespace poecal::kinds {
+namespace {
+
+void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
+                   Disturbance& disturbance) {
+  if (effect.byMasses()) {
+    disturbance.base.head<3>() += amount * context.base_moment_by_masses.col(massColumn(effect, i));
+  } else {
+    disturbance.base.head<3>() += amount * context.base_moment;
+  }
+}
+
+}  // namespace
+
+EffectKind baseCompliance() {
+  EffectKind kind;
+  kind.name = "base_compliance";
+  kind.place = PlaceKind::kBase;
+  kind.drivers = {"gravity"};
+  kind.parameters = {{"compliance", "rad/(N m)", 5e-6}};
+  kind.needs = {Need::kJoints};
+  kind.meaning = "the pedestal tilts with the arm's moment";
+  kind.formula = "rotation of the base about its origin: compliance M, M the moment of gravity on the arm";
+  kind.confused_with = {"joint_compliance", "link_bending"};
+  kind.separate = "poses that turn the stretched arm about the vertical; a tag on the pedestal";
+  kind.remedy = "bolt or stiffen the pedestal";
+  kind.add_derivative = addDerivative;
+  kind.yields_to_gravity = true;
+  return kind;
+}
+
+}  // namespace poecal::kinds

@@ -1,0 +1,31 @@
+// camera_drift: the camera's mount moves steadily.
+#include "effects/kinds.hpp"
+#include "effects/shapes.hpp"
+
+namespace poecal::kinds {
+namespace {
+
+void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
+                   Disturbance& disturbance) {
+  disturbance.mount(i) += amount * context.elapsed(effect.driver());
+}
+
+}  // namespace
+
+EffectKind cameraDrift() {
+  EffectKind kind;
+  kind.name = "camera_drift";
+  kind.place = PlaceKind::kCameraMount;
+  kind.drivers = {"stamp", "temperature"};
+  kind.parameters = twistParameters(5e-4, 5e-4, "/t");
+  kind.meaning = "the camera's mount moves steadily";
+  kind.formula =
+      "T_camera_near becomes exp(t (rx ry rz tx ty tz)) T_camera_near, t in hours since the first sample or kelvin above its temperature";
+  kind.confused_with = {"camera_slip", "focal_drift", "link_expansion"};
+  kind.separate = "a tag that never moves in view; poses in an order unlike time's";
+  kind.remedy = "stiffen the camera's mount and let it warm up";
+  kind.add_derivative = addDerivative;
+  return kind;
+}
+
+}  // namespace poecal::kinds

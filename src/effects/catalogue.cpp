@@ -1,0 +1,271 @@
+#include "poecal/effects/catalogue.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "effects/kinds.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+
+namespace poecal {
+namespace {
+
+bool isNumbered(PlaceKind place) { return place == PlaceKind::kJoint || place == PlaceKind::kLink; }
+
+std::size_t jointCount(const Cell& cell) { return cell.arm ? cell.arm->joints.size() : 0; }
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
+/// "qK" -> "q3", "qJ" -> "q5" for the joint that leaks.
+std::string driverName(const std::string& pattern, std::size_t index, const std::map<std::string, double>& parameters) {
+  const auto source = parameters.find("source");
+  const std::string named = replaced(pattern, "K", std::to_string(index + 1));
+  return source == parameters.end() ? named : replaced(named, "J", std::to_string(static_cast<long>(source->second)));
+}
+
+/// Index of the place that `location` names. @throws InvalidArgument.
+std::size_t placeIndex(const EffectKind& kind, const std::string& location, const Cell& cell) {
+  const std::string name = placeName(kind.place);
+  if (!isNumbered(kind.place)) {
+    if (location != name) throw InvalidArgument(fmt::format("{} cannot be at '{}', expected {}", kind.name, location, name));
+    return 0;
+  }
+  const std::string prefix = name + ":";
+  std::size_t number = 0;
+  const char* end = location.data() + location.size();
+  const bool begins = location.starts_with(prefix);
+  const auto [rest, status] =
+      begins ? std::from_chars(location.data() + prefix.size(), end, number) : std::from_chars_result{end, std::errc::invalid_argument};
+  if (status != std::errc() || rest != end || number < 1 || number > jointCount(cell)) {
+    throw InvalidArgument(fmt::format("{} cannot be at '{}', expected {}1 to {}{}", kind.name, location, prefix, prefix, jointCount(cell)));
+  }
+  return number - 1;
+}
+
+/// @throws InvalidArgument where the kind has no such driver.
+std::string chosenDriver(const EffectKind& kind, const EffectSpec& spec, std::size_t index) {
+  std::vector<std::string> known;
+  for (const std::string& pattern : kind.drivers) known.push_back(driverName(pattern, index, spec.parameters));
+  if (spec.driver.empty()) return known.front();
+  if (std::find(known.begin(), known.end(), spec.driver) == known.end()) {
+    throw InvalidArgument(fmt::format("{} is not driven by '{}', expected {}", kind.name, spec.driver, fmt::join(known, " or ")));
+  }
+  return spec.driver;
+}
+
+/// @throws InvalidArgument unless the fixed numbers name a joint, and not its own.
+void checkSource(const EffectKind& kind, const EffectSpec& spec, std::size_t index, const Cell& cell) {
+  const auto source = spec.parameters.find("source");
+  if (source == spec.parameters.end()) return;
+  const double number = source->second;
+  if (number != std::floor(number) || number < 1.0 || number > static_cast<double>(jointCount(cell)) ||
+      number == static_cast<double>(index + 1)) {
+    throw InvalidArgument(fmt::format("{}: source is {}, expected the number of another joint", kind.name, formatNumber(number)));
+  }
+}
+
+/// The kinds state units of a turning joint, and "/t" for whatever time their driver measures.
+std::string unitAt(const std::string& unit, const std::string& driver, bool slides) {
+  const std::string timed = replaced(unit, "/t", driver == "temperature" ? "/K" : "/h");
+  if (!slides) return timed;
+  return timed.starts_with("rad/(N m)") ? replaced(timed, "rad/(N m)", "m/N") : replaced(timed, "rad", "m");
+}
+
+/// Compliance times the masses of every body that the place carries; see Effect::byMasses.
+std::vector<EffectParameter> massParameters(const EffectKind& kind, std::size_t index, const Arm& arm) {
+  constexpr double kTypicalMass = 5.0;    // [kg]
+  constexpr double kTypicalMoment = 1.5;  // [kg m]
+  const EffectParameter& compliance = kind.parameters.front();
+  std::vector<EffectParameter> parameters;
+  for (std::size_t body = index; body < arm.joints.size(); ++body) {
+    parameters.push_back({fmt::format("m{}", body + 1), compliance.unit + " kg", kTypicalMass * compliance.typical});
+    for (const char* axis : {"mx", "my", "mz"}) {
+      parameters.push_back({fmt::format("{}{}", axis, body + 1), compliance.unit + " kg m", kTypicalMoment * compliance.typical});
+    }
+  }
+  return parameters;
+}
+
+bool haveAll(const std::vector<Sample>& samples, bool (*has)(const Sample&)) { return std::all_of(samples.begin(), samples.end(), has); }
+
+/// What is missing for a need, or empty.
+std::string whatIsMissing(Need need, const Effect& effect, const Cell& cell, const Target& target, const std::vector<Sample>& samples) {
+  const bool has_tags = target.type == TargetType::kAprilTag || target.type == TargetType::kAprilGrid;
+  switch (need) {
+    case Need::kJoints:
+      return cell.arm && haveAll(samples, [](const Sample& s) { return s.q.size() > 0; }) ? "" : "no q1.. columns";
+    case Need::kDir:
+      return haveAll(samples, [](const Sample& s) { return s.dir.size() > 0; }) ? "" : "no dir1.. columns";
+    case Need::kDq:
+      return haveAll(samples, [](const Sample& s) { return s.dq.size() > 0; }) ? "" : "no dq1.. columns";
+    case Need::kStamp:
+      return haveAll(samples, [](const Sample& s) { return s.stamp.has_value(); }) ? "" : "no stamp column";
+    case Need::kTemperature:
+      return haveAll(samples, [](const Sample& s) { return s.temperature.has_value(); }) ? "" : "no temperature column";
+    case Need::kRevolute:
+      return cell.arm && cell.arm->joints[effect.index()].type == JointType::kRevolute ? "" : "the joint does not turn";
+    case Need::kTags:
+      return has_tags ? "" : "no tags";
+    case Need::kSeveralTags: {
+      std::set<int> ids;
+      for (const TargetPoint& point : target.points) ids.insert(point.id.tag);
+      return ids.size() > 1 ? "" : "only one tag";
+    }
+    case Need::kTangential:
+      return cell.camera && cell.camera->model == DistortionModel::kEquidistant ? "the lens model has no tangential terms" : "";
+    case Need::kCamera:
+      return cell.camera ? "" : "no pictures";
+  }
+  return "";
+}
+
+/// What else the driver asks for.
+std::vector<Need> needsOf(const Effect& effect) {
+  std::vector<Need> needs = effect.kind().needs;
+  if (effect.driver() == "stamp") needs.push_back(Need::kStamp);
+  if (effect.driver() == "temperature") needs.push_back(Need::kTemperature);
+  return needs;
+}
+
+/// The fixed parameters of every instance of a kind at one place.
+std::vector<std::map<std::string, double>> instancesOf(const EffectKind& kind, std::size_t index, const Cell& cell, const Target& target) {
+  std::vector<std::map<std::string, double>> instances;
+  const auto has = [&kind](const char* name) {
+    return std::any_of(kind.parameters.begin(), kind.parameters.end(), [name](const EffectParameter& p) { return p.name == name; });
+  };
+  if (has("source")) {
+    for (std::size_t source = 0; source < jointCount(cell); ++source) {
+      if (source != index) instances.push_back({{"source", static_cast<double>(source + 1)}});
+    }
+  } else if (has("tag")) {
+    std::set<int> ids;
+    for (const TargetPoint& point : target.points) ids.insert(point.id.tag);
+    for (const int id : ids) instances.push_back({{"tag", static_cast<double>(id)}});
+  } else {
+    instances.emplace_back();
+  }
+  return instances;
+}
+
+}  // namespace
+
+Effect instantiate(const EffectKind& kind, std::size_t index, const std::string& driver, const std::map<std::string, double>& parameters,
+                   const Cell& cell) {
+  Effect effect;
+  effect.kind_ = &kind;
+  effect.index_ = index;
+  effect.driver_ = driver;
+  effect.by_masses_ = kind.yields_to_gravity && cell.arm && cell.arm->links.empty();
+  effect.parameters_ = effect.by_masses_ ? massParameters(kind, index, *cell.arm) : kind.parameters;
+  const bool slides = kind.place == PlaceKind::kJoint && cell.arm->joints[index].type == JointType::kPrismatic;
+  effect.start_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(effect.parameters_.size()));
+  for (std::size_t i = 0; i < effect.parameters_.size(); ++i) {
+    EffectParameter& parameter = effect.parameters_[i];
+    parameter.unit = unitAt(parameter.unit, driver, slides);
+    const auto given = parameters.find(parameter.name);
+    if (parameter.role == ParameterRole::kFixed && given != parameters.end()) effect.start_(static_cast<Eigen::Index>(i)) = given->second;
+  }
+  return effect;
+}
+
+std::string EffectKind::placePattern() const { return isNumbered(place) ? std::string(placeName(place)) + ":K" : placeName(place); }
+
+const std::vector<EffectKind>& effectKinds() {
+  using namespace kinds;
+  static const std::vector<EffectKind> all = {
+      jointGain(),        jointEccentricity(), jointHarmonic(), jointCompliance(), jointBacklash(),  jointCoupling(), jointSlip(),
+      jointDrift(),       axisWobble(),        linkBending(),   linkExpansion(),   baseCompliance(), cameraSlip(),    cameraDrift(),
+      lensDistortion(),   focalLength(),       focalDrift(),    principalPoint(),  rollingShutter(), timeOffset(),    targetScale(),
+      targetAnisotropy(), targetBend(),        targetLayout(),  targetSlip(),      cornerBias(),     jointScatter(),  badSamples()};
+  return all;
+}
+
+const EffectKind* findEffectKind(const std::string& name) {
+  for (const EffectKind& kind : effectKinds()) {
+    if (kind.name == name) return &kind;
+  }
+  return nullptr;
+}
+
+const EffectKind& effectKind(const std::string& name) {
+  if (const EffectKind* kind = findEffectKind(name)) return *kind;
+  std::vector<std::string> names;
+  for (const EffectKind& known : effectKinds()) names.push_back(known.name);
+  throw InvalidArgument(fmt::format("effect '{}' is not known, expected {}", name, fmt::join(names, ", ")));
+}
+
+AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell) {
+  const EffectKind& kind = effectKind(spec.effect);
+  const std::size_t index = placeIndex(kind, spec.location, cell);
+  checkSource(kind, spec, index, cell);
+  Effect effect = instantiate(kind, index, chosenDriver(kind, spec, index), spec.parameters, cell);
+  Eigen::VectorXd parameters = effect.start();
+  for (const auto& [name, value] : spec.parameters) parameters(effect.parameterIndex(name)) = value;
+  for (const EffectParameter& parameter : effect.parameters()) {
+    if (parameter.role != ParameterRole::kLinear && parameter.name != "seed" && !spec.parameters.contains(parameter.name)) {
+      throw InvalidArgument(fmt::format("{} needs its parameter '{}'", kind.name, parameter.name));
+    }
+  }
+  return {std::move(effect), std::move(parameters)};
+}
+
+std::string whyNotTestable(const Effect& effect, const Cell& cell, const Target& target, const std::vector<Sample>& samples) {
+  for (const Need need : needsOf(effect)) {
+    const std::string missing = whatIsMissing(need, effect, cell, target, samples);
+    if (!missing.empty()) return missing;
+  }
+  return "";
+}
+
+std::vector<Disturbance> disturbancesOf(const std::vector<AppliedEffect>& effects, const Cell& cell, const Target& target,
+                                        const Eigen::Vector3d& gravity, const std::vector<Sample>& samples, bool at_random) {
+  if (effects.empty()) return std::vector<Disturbance>(samples.size());
+  for (const AppliedEffect& applied : effects) {
+    const std::string missing = whyNotTestable(applied.effect, cell, target, samples);
+    if (!missing.empty()) {
+      throw InsufficientData(fmt::format("{} at {} cannot be reckoned: {}", applied.effect.name(), applied.effect.location(), missing));
+    }
+  }
+  const auto capture = makeCaptureContext(cell, target, gravity, samples);
+  std::vector<Disturbance> disturbances;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    disturbances.push_back(disturbanceOf(effects, makeSampleContext(capture, samples[k], k, target.points), at_random));
+  }
+  return disturbances;
+}
+
+Candidates candidateEffects(const Cell& cell, const Target& target, const std::vector<Sample>& samples) {
+  Candidates candidates;
+  for (const EffectKind& kind : effectKinds()) {
+    const std::size_t places = isNumbered(kind.place) ? jointCount(cell) : 1;
+    for (std::size_t index = 0; index < places; ++index) {
+      std::string why;
+      std::size_t testable = 0;
+      for (const auto& fixed : instancesOf(kind, index, cell, target)) {
+        for (const std::string& pattern : kind.drivers) {
+          Effect effect = instantiate(kind, index, driverName(pattern, index, fixed), fixed, cell);
+          const std::string missing = whyNotTestable(effect, cell, target, samples);
+          if (!missing.empty() && why.empty()) why = missing;
+          if (missing.empty()) {
+            candidates.effects.push_back(std::move(effect));
+            ++testable;
+          }
+        }
+      }
+      if (testable == 0 && !why.empty()) {
+        candidates.not_testable.push_back({kind.name, instantiate(kind, index, "", {}, cell).location(), why});
+      }
+    }
+  }
+  return candidates;
+}
+
+}  // namespace poecal

@@ -1,0 +1,89 @@
+#include "poecal/effects/effect.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "poecal/core/error.hpp"
+#include "poecal/effects/catalogue.hpp"
+
+namespace poecal {
+
+const char* placeName(PlaceKind kind) {
+  switch (kind) {
+    case PlaceKind::kJoint:
+      return "joint";
+    case PlaceKind::kLink:
+      return "link";
+    case PlaceKind::kBase:
+      return "base";
+    case PlaceKind::kCameraMount:
+      return "camera.mount";
+    case PlaceKind::kCameraLens:
+      return "camera.lens";
+    case PlaceKind::kCameraShutter:
+      return "camera.shutter";
+    case PlaceKind::kTargetShape:
+      return "target.shape";
+    case PlaceKind::kTargetMount:
+      return "target.mount";
+    case PlaceKind::kTiming:
+      return "timing";
+    case PlaceKind::kDetector:
+      return "detector";
+    case PlaceKind::kSamples:
+      return "samples";
+  }
+  return "";
+}
+
+const std::string& Effect::name() const { return kind_->name; }
+
+std::string Effect::location() const {
+  const bool numbered = kind_->place == PlaceKind::kJoint || kind_->place == PlaceKind::kLink;
+  return numbered ? fmt::format("{}:{}", placeName(kind_->place), index_ + 1) : placeName(kind_->place);
+}
+
+Eigen::Index Effect::parameterIndex(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const EffectParameter& parameter : parameters_) {
+    if (parameter.name == name) return static_cast<Eigen::Index>(names.size());
+    names.push_back(parameter.name);
+  }
+  throw InvalidArgument(fmt::format("{} has no parameter '{}', expected {}", kind_->name, name, fmt::join(names, ", ")));
+}
+
+void Effect::addDerivative(Eigen::Index i, const Eigen::VectorXd& parameters, const SampleContext& context, double amount,
+                           Disturbance& disturbance) const {
+  if (kind_->add_derivative == nullptr || parameters_[static_cast<std::size_t>(i)].role == ParameterRole::kFixed) return;
+  kind_->add_derivative(*this, i, parameters, context, amount, disturbance);
+}
+
+void Effect::disturb(const Eigen::VectorXd& parameters, const SampleContext& context, Disturbance& disturbance) const {
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    // Only where a parameter is not zero: 0 times a torque that nobody knows would still be NaN.
+    if (parameters_[i].role != ParameterRole::kLinear || parameters(index) == 0.0) continue;
+    addDerivative(index, parameters, context, parameters(index), disturbance);
+  }
+}
+
+void Effect::disturbAtRandom(const Eigen::VectorXd& parameters, const SampleContext& context, Disturbance& disturbance) const {
+  if (kind_->add_draw != nullptr) kind_->add_draw(*this, parameters, context, disturbance);
+}
+
+EffectSpec Effect::spec(const Eigen::VectorXd& parameters) const {
+  EffectSpec spec{.effect = name(), .location = location(), .parameters = {}, .driver = driver_};
+  for (std::size_t i = 0; i < parameters_.size(); ++i) spec.parameters[parameters_[i].name] = parameters(static_cast<Eigen::Index>(i));
+  return spec;
+}
+
+Disturbance disturbanceOf(const std::vector<AppliedEffect>& effects, const SampleContext& context, bool at_random) {
+  Disturbance disturbance = Disturbance::zero(context.capture->cell, context.points.size());
+  for (const AppliedEffect& applied : effects) {
+    applied.effect.disturb(applied.parameters, context, disturbance);
+    if (at_random) applied.effect.disturbAtRandom(applied.parameters, context, disturbance);
+  }
+  return disturbance;
+}
+
+}  // namespace poecal

@@ -1,0 +1,63 @@
+#include "effects/effect_yaml.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/effects/catalogue.hpp"
+
+namespace poecal {
+namespace {
+
+AppliedEffect readEffect(const YamlNode& entry, const Cell& cell, bool as_found) {
+  if (as_found) {
+    entry.checkKeys({"effect", "location", "driver", "parameters", "units", "standard_deviation"});
+  } else {
+    entry.checkKeys({"effect", "location", "driver", "parameters"});
+  }
+  EffectSpec spec{.effect = entry["effect"].text(), .location = entry["location"].text(), .parameters = {}, .driver = ""};
+  if (const auto driver = entry.find("driver")) spec.driver = driver->text();
+  const YamlNode parameters = entry["parameters"];
+  for (const std::string& name : parameters.keys()) spec.parameters[name] = parameters[name.c_str()].number();
+  try {
+    return makeEffect(spec, cell);
+  } catch (const InvalidArgument& error) {
+    entry.fail(error.what());
+  }
+}
+
+std::string namedNumbers(const Effect& effect, const Eigen::VectorXd& values) {
+  std::vector<std::string> pairs;
+  for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
+    pairs.push_back(fmt::format("{}: {}", effect.parameters()[i].name, formatNumber(values(static_cast<Eigen::Index>(i)))));
+  }
+  return fmt::format("{{{}}}", fmt::join(pairs, ", "));
+}
+
+std::string namedUnits(const Effect& effect) {
+  std::vector<std::string> pairs;
+  for (const EffectParameter& parameter : effect.parameters())
+    pairs.push_back(fmt::format("{}: {}", parameter.name, yamlText(parameter.unit)));
+  return fmt::format("{{{}}}", fmt::join(pairs, ", "));
+}
+
+}  // namespace
+
+std::vector<AppliedEffect> readEffects(const YamlNode& list, const Cell& cell, bool as_found) {
+  std::vector<AppliedEffect> effects;
+  for (const YamlNode& entry : list.items()) effects.push_back(readEffect(entry, cell, as_found));
+  return effects;
+}
+
+std::string effectsYaml(const std::vector<AppliedEffect>& effects) {
+  if (effects.empty()) return "effects: []\n";
+  std::string text = "effects:\n";
+  for (const auto& [effect, parameters] : effects) {
+    text += fmt::format("- {{effect: {}, location: {}, driver: {}, parameters: {}, units: {}}}\n", effect.name(),
+                        yamlText(effect.location()), yamlText(effect.driver()), namedNumbers(effect, parameters), namedUnits(effect));
+  }
+  return text;
+}
+
+}  // namespace poecal

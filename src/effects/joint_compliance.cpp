@@ -1,0 +1,33 @@
+// joint_compliance: the joint yields to gravity's torque.
+#include "effects/kinds.hpp"
+#include "effects/shapes.hpp"
+
+namespace poecal::kinds {
+namespace {
+
+void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
+                   Disturbance& disturbance) {
+  const auto k = static_cast<Eigen::Index>(effect.index());
+  jointPort(effect, disturbance) += amount * (effect.byMasses() ? context.torque_by_masses(k, massColumn(effect, i)) : context.torque(k));
+}
+
+}  // namespace
+
+EffectKind jointCompliance() {
+  EffectKind kind;
+  kind.name = "joint_compliance";
+  kind.place = PlaceKind::kJoint;
+  kind.drivers = {"tauK"};
+  kind.parameters = {{"compliance", "rad/(N m)", 2e-5}};
+  kind.needs = {Need::kJoints};
+  kind.meaning = "the joint yields to gravity's torque";
+  kind.formula = "d_K = compliance tau_K";
+  kind.confused_with = {"base_compliance", "link_bending", "joint_gain", "joint_eccentricity"};
+  kind.separate = "the same poses with a second payload: geometry stays, compliance grows with the load";
+  kind.remedy = "compensate gravity's torque in the controller with this compliance; check the drive's tension and bearings";
+  kind.add_derivative = addDerivative;
+  kind.yields_to_gravity = true;
+  return kind;
+}
+
+}  // namespace poecal::kinds

@@ -1,0 +1,135 @@
+#include "poecal/effects/sample_context.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "poecal/cell/ports.hpp"
+#include "poecal/robot/gravity.hpp"
+
+namespace poecal {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSecondsInAnHour = 3600.0;
+
+void addGravity(const CaptureContext& capture, SampleContext& context) {
+  const Arm& arm = *capture.cell.arm;
+  const auto n = static_cast<Eigen::Index>(arm.joints.size());
+  const ArmChain chain = forwardChain(arm, context.sample.q);
+  if (arm.links.empty()) {
+    context.torque = Eigen::VectorXd::Constant(n, kNaN);
+    context.moment_body = Eigen::Matrix3Xd::Constant(3, n, kNaN);
+    context.base_moment.setConstant(kNaN);
+    context.torque_by_masses = gravityRegressor(arm, chain, capture.gravity);
+    context.base_moment_by_masses = baseMomentRegressor(arm, chain, capture.gravity);
+    for (std::size_t k = 0; k < arm.joints.size(); ++k) {
+      context.moment_body_by_masses.push_back(chain.P[k + 1].linear().transpose() * carriedMomentRegressor(arm, chain, capture.gravity, k));
+    }
+    return;
+  }
+  const GravityLoad load = gravityLoad(arm, chain, capture.gravity, context.sample.payload.value_or(0.0));
+  context.torque = load.torque;
+  context.base_moment = load.base.head<3>();
+  context.moment_body.resize(3, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    context.moment_body.col(k) = chain.P[static_cast<std::size_t>(k) + 1].linear().transpose() * load.carried.col(k).head<3>();
+  }
+}
+
+/// Motion of the corner where the edges from `before` and to `after` meet, when both move out by 1 px, away from `center`.
+Eigen::Vector2d outwardAt(const Eigen::Vector2d& before, const Eigen::Vector2d& corner, const Eigen::Vector2d& after,
+                          const Eigen::Vector2d& center) {
+  Eigen::Matrix2d normals;
+  int row = 0;
+  for (const Eigen::Vector2d& other : {before, after}) {
+    const Eigen::Vector2d along = (corner - other).normalized();
+    const Eigen::Vector2d normal(along.y(), -along.x());
+    normals.row(row++) = normal.dot(corner - center) > 0.0 ? normal : Eigen::Vector2d(-normal);
+  }
+  return normals.inverse() * Eigen::Vector2d::Ones();
+}
+
+/// Motion of a tag's corner when both its edges move out by 1 px; zero where the point is no corner of a tag, or a part of it has no pixel.
+Eigen::Vector2d outwardOf(const CaptureContext& capture, const Eigen::Isometry3d& T_camera_target, PointId id) {
+  constexpr int kCorners = 4;
+  const Eigen::Vector2d none = Eigen::Vector2d::Zero();
+  const bool is_tag = capture.target.type == TargetType::kAprilTag || capture.target.type == TargetType::kAprilGrid;
+  if (!is_tag) return none;
+  std::array<Eigen::Vector2d, kCorners> px;
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  for (int corner = 0; corner < kCorners; ++corner) {
+    const TargetPoint* point = capture.target.find({id.tag, corner});
+    const auto pixel = point == nullptr ? std::nullopt : project(*capture.cell.camera, T_camera_target * point->p_target);
+    if (!pixel) return none;
+    px[static_cast<std::size_t>(corner)] = *pixel;
+    center += *pixel / kCorners;
+  }
+  const auto at = [&px](int corner) { return px[static_cast<std::size_t>((corner + kCorners) % kCorners)]; };
+  return outwardAt(at(id.corner - 1), at(id.corner), at(id.corner + 1), center);
+}
+
+void addPoints(const CaptureContext& capture, const std::vector<TargetPoint>& points, SampleContext& context) {
+  if (!capture.cell.camera) {
+    for (const TargetPoint& point : points)
+      context.points.push_back({.id = point.id, .p_target = point.p_target, .px = Eigen::Vector2d::Constant(kNaN)});
+    return;
+  }
+  const Eigen::Isometry3d T_camera_target = disturbedTarget(capture.cell, context.sample, {});
+  Eigen::VectorXd velocity = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(points.size()));
+  if (context.sample.dq.size() > 0 && capture.cell.arm) {
+    Disturbance motion;
+    motion.joints = context.sample.dq;
+    velocity = portJacobian(capture.cell, context.sample, points).along(motion);
+  }
+  for (std::size_t j = 0; j < points.size(); ++j) {
+    PointContext point{.id = points[j].id,
+                       .p_target = points[j].p_target,
+                       .px = project(*capture.cell.camera, T_camera_target * points[j].p_target).value_or(Eigen::Vector2d::Constant(kNaN))};
+    point.px_velocity = velocity.segment<2>(2 * static_cast<Eigen::Index>(j));
+    point.px_outward = outwardOf(capture, T_camera_target, point.id);
+    context.points.push_back(point);
+  }
+}
+
+}  // namespace
+
+double SampleContext::elapsed(const std::string& driver) const {
+  if (driver == "stamp") return (sample.stamp.value_or(kNaN) - capture->first_stamp) / kSecondsInAnHour;
+  if (driver == "temperature") return sample.temperature.value_or(kNaN) - capture->first_temperature;
+  return kNaN;
+}
+
+std::shared_ptr<const CaptureContext> makeCaptureContext(const Cell& cell, const Target& target, const Eigen::Vector3d& gravity,
+                                                         const std::vector<Sample>& samples) {
+  auto capture = std::make_shared<CaptureContext>();
+  capture->cell = cell;
+  capture->target = target;
+  capture->gravity = gravity;
+  for (const TargetPoint& point : target.points) capture->center_target += point.p_target / static_cast<double>(target.points.size());
+  capture->first_stamp = std::numeric_limits<double>::infinity();
+  capture->last_stamp = -capture->first_stamp;
+  capture->first_temperature = kNaN;
+  for (const Sample& sample : samples) {
+    if (sample.stamp) {
+      capture->first_stamp = std::min(capture->first_stamp, *sample.stamp);
+      capture->last_stamp = std::max(capture->last_stamp, *sample.stamp);
+    }
+    if (sample.temperature && std::isnan(capture->first_temperature)) capture->first_temperature = *sample.temperature;
+  }
+  return capture;
+}
+
+SampleContext makeSampleContext(const std::shared_ptr<const CaptureContext>& capture, const Sample& sample, std::size_t number,
+                                const std::vector<TargetPoint>& points) {
+  SampleContext context;
+  context.capture = capture;
+  context.number = number;
+  context.sample = sample;
+  if (capture->cell.arm && sample.q.size() > 0) addGravity(*capture, context);
+  addPoints(*capture, points, context);
+  return context;
+}
+
+}  // namespace poecal
