@@ -6,6 +6,7 @@
 namespace poecal::app {
 
 std::function<int()> setUpDetect(CLI::App& app, const Common& common);
+std::function<int()> setUpDiagnose(CLI::App& app, const Common& common);
 std::function<int()> setUpEffects(CLI::App& app, const Common& common);
 std::function<int()> setUpExport(CLI::App& app, const Common& common);
 std::function<int()> setUpIdentify(CLI::App& app, const Common& common);

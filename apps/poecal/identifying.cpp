@@ -63,18 +63,29 @@ Identifying finish(Identification identification, const std::vector<Sample>& sam
   return result;
 }
 
+/// The rows of a table of poses as samples.
+std::vector<Sample> samplesOf(const PoseTable& table) {
+  std::vector<Sample> samples;
+  for (const MeasuredPose& pose : table.poses) samples.push_back(pose.sample);
+  return samples;
+}
+
 }  // namespace
 
-void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
-  app.add_option_function<std::string>("--method", [&options](const std::string& name) { options.method = methodFromName(name); },
-                                       "gao (the paper's algorithm), weighted, or bundle (default)")
-      ->check(CLI::IsMember({"gao", "weighted", "bundle"}));
+void addToleranceOptions(CLI::App& app, IdentifyOptions& options) {
   app.add_option("--tolerance-position", options.tolerance_position, "Prior of an axis' place about the nominal, 1 sigma [m]; 0: none")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app.add_option("--tolerance-rotation", options.tolerance_rotation, "Prior of an axis' tilt, 1 sigma [rad]; 0: none")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+}
+
+void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
+  app.add_option_function<std::string>("--method", [&options](const std::string& name) { options.method = methodFromName(name); },
+                                       "gao (the paper's algorithm), weighted, or bundle (default)")
+      ->check(CLI::IsMember({"gao", "weighted", "bundle"}));
+  addToleranceOptions(app, options);
   app.add_option("--hold-out", options.hold_out_every, "Every how-manieth pose judges a fit instead of entering it, in as many turns; 0: none")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
@@ -90,7 +101,7 @@ void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
       ->check(CLI::IsMember({"auto", "stated", "free"}));
 }
 
-Identifying identifyCapture(const CaptureInputs& inputs, IdentifyOptions options, const std::filesystem::path& out) {
+Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions options) {
   const Capture& capture = inputs.capture;
   if (!inputs.cell.arm) {
     throw InsufficientData(fmt::format("{} has no joint readings (columns q1, q2, ...): only registration is possible (poecal measure)", capture.table.file.string()));
@@ -111,21 +122,45 @@ Identifying identifyCapture(const CaptureInputs& inputs, IdentifyOptions options
     model.base_link = capture.base_link;
     model.tip_link = capture.tip_link;
   }
-  return finish(std::move(identification), capture.table.samples, out);
+  return identification;
 }
 
-Identifying identifyPoses(const Arm& arm, const PoseTable& table, IdentifyOptions options, const std::filesystem::path& out) {
+std::vector<Observation> instrumentObservations(const PoseTable& table) {
+  // Where the table states no deviations these are only where their estimation starts.
+  return poseObservations(table, 1e-3, 3e-3);
+}
+
+Identification identifyTable(const Arm& arm, const PoseTable& table, IdentifyOptions options) {
   Cell cell;
   cell.arm = arm;
-  std::vector<Sample> samples;
   options.sigmas_stated = !table.poses.empty();
   for (const MeasuredPose& pose : table.poses) {
-    samples.push_back(pose.sample);
     options.sigmas_stated = options.sigmas_stated && pose.sigma_position && (pose.sigma_rotation || pose.position_only);
   }
-  // Where the table states no deviations these are only where their estimation starts.
-  const std::vector<Observation> observations = poseObservations(table, 1e-3, 3e-3);
-  return finish(identify(cell, observations, observationGroups(observations, samples), options), samples, out);
+  const std::vector<Observation> observations = instrumentObservations(table);
+  return identify(cell, observations, observationGroups(observations, samplesOf(table)), options);
+}
+
+Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out) {
+  return finish(identifyInputs(inputs, options), inputs.capture.table.samples, out);
+}
+
+Identifying identifyPoses(const Arm& arm, const PoseTable& table, const IdentifyOptions& options, const std::filesystem::path& out) {
+  return finish(identifyTable(arm, table, options), samplesOf(table), out);
+}
+
+void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options) {
+  CLI::Option* capture = app.add_option("CAPTURE", source.capture, "Capture folder");
+  CLI::Option* robot = app.add_option("--robot", source.robot, "robot.yaml or URDF, with --poses instead of a capture")->excludes(capture);
+  CLI::Option* poses = app.add_option("--poses", source.poses, "poses.csv: joints and T_instrument_tool")->needs(robot)->excludes(capture);
+  robot->needs(poses);
+  app.add_option("--base-link", source.base_link, "Base link, where the robot is a URDF")->needs(robot);
+  app.add_option("--tip-link", source.tip_link, "Tip link, where the robot is a URDF")->needs(robot);
+  app.add_flag("--registered", options.registered, "The poses are T_base_flange already")->needs(poses);
+}
+
+void requireArmSource(const std::string& command, const ArmSource& source) {
+  if (source.capture.empty() && source.poses.empty()) throw InvalidArgument(command + " needs a CAPTURE, or --robot and --poses");
 }
 
 }  // namespace poecal::app

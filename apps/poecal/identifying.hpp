@@ -20,13 +20,31 @@ struct Identifying {
   nlohmann::json json;
 };
 
+/// Where an arm and its measurements come from: a capture, or a robot with poses of any instrument.
+struct ArmSource {
+  std::filesystem::path capture, robot, poses;
+  std::string base_link, tip_link;
+};
+void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options);
+/// @throws InvalidArgument where neither was given.
+void requireArmSource(const std::string& command, const ArmSource& source);
+
 /// Adds the options that `identify` and `run` share.
 void addIdentifyOptions(CLI::App& app, IdentifyOptions& options);
+/// Of these the arm's tolerances.
+void addToleranceOptions(CLI::App& app, IdentifyOptions& options);
+
+/// Identifies the arm of a capture. @throws InsufficientData without joint readings; else as identify().
+Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions options);
+/// Identifies an arm from poses of any instrument.
+Identification identifyTable(const Arm& arm, const PoseTable& table, IdentifyOptions options);
+/// The poses of an instrument as what identify() fits.
+std::vector<Observation> instrumentObservations(const PoseTable& table);
 
 /// Identifies the arm of a capture; writes OUT/model.yaml and OUT/identification.json.
-Identifying identifyCapture(const CaptureInputs& inputs, IdentifyOptions options, const std::filesystem::path& out);
+Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out);
 
 /// Identifies an arm from poses of any instrument; writes the same files.
-Identifying identifyPoses(const Arm& arm, const PoseTable& table, IdentifyOptions options, const std::filesystem::path& out);
+Identifying identifyPoses(const Arm& arm, const PoseTable& table, const IdentifyOptions& options, const std::filesystem::path& out);
 
 }  // namespace poecal::app

@@ -44,7 +44,7 @@ constexpr Command kCommands[] = {
     {"export", "the URDF with the calibrated geometry", setUpExport},
     {"paper", "the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
-    {"diagnose", "where the gap lies, which effect causes it, how far it shrinks (not built yet)", setUpNotBuilt},
+    {"diagnose", "where the gap lies, which effect causes it, how far it shrinks", setUpDiagnose},
     {"report", "one self-contained page (not built yet)", setUpNotBuilt},
 };
 

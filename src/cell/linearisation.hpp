@@ -22,6 +22,7 @@ std::vector<std::string> parameterNames(const Cell& cell, const FreeParameters& 
 
 /// A cell on its way from the nominal one: the arm is displaceTwists(reference, beta).
 struct CellState {
+  CellState() = default;
   explicit CellState(const Cell& nominal, const FreeParameters& free);
   /// The state after a step of the free parameters.
   CellState moved(const ParameterLayout& layout, const Eigen::VectorXd& step) const;

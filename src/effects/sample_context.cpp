@@ -18,15 +18,15 @@ void addGravity(const CaptureContext& capture, SampleContext& context) {
   const Arm& arm = *capture.cell.arm;
   const auto n = static_cast<Eigen::Index>(arm.joints.size());
   const ArmChain chain = forwardChain(arm, context.sample.q);
+  context.torque_by_masses = gravityRegressor(arm, chain, capture.gravity);
+  context.base_moment_by_masses = baseMomentRegressor(arm, chain, capture.gravity);
+  for (std::size_t k = 0; k < arm.joints.size(); ++k) {
+    context.moment_body_by_masses.push_back(chain.P[k + 1].linear().transpose() * carriedMomentRegressor(arm, chain, capture.gravity, k));
+  }
   if (arm.links.empty()) {
     context.torque = Eigen::VectorXd::Constant(n, kNaN);
     context.moment_body = Eigen::Matrix3Xd::Constant(3, n, kNaN);
     context.base_moment.setConstant(kNaN);
-    context.torque_by_masses = gravityRegressor(arm, chain, capture.gravity);
-    context.base_moment_by_masses = baseMomentRegressor(arm, chain, capture.gravity);
-    for (std::size_t k = 0; k < arm.joints.size(); ++k) {
-      context.moment_body_by_masses.push_back(chain.P[k + 1].linear().transpose() * carriedMomentRegressor(arm, chain, capture.gravity, k));
-    }
     return;
   }
   const GravityLoad load = gravityLoad(arm, chain, capture.gravity, context.sample.payload.value_or(0.0));

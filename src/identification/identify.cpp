@@ -324,6 +324,7 @@ class Identifier {
     result_.adjustment = fit.adjustment;
     result_.free = fit.free;
     result_.start = fit.start;
+    result_.closed_form = closed_form_;
   }
 
   void setTransformDeviations(const MethodFit& fit, Model& model) const {

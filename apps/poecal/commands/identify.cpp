@@ -24,29 +24,23 @@ Example:
 
 std::function<int()> setUpIdentify(CLI::App& app, const Common& common) {
   struct Options {
-    std::filesystem::path capture, robot, poses, out;
-    std::string base_link, tip_link;
+    ArmSource source;
+    std::filesystem::path out;
     IdentifyOptions identify;
   };
   const auto options = std::make_shared<Options>();
-  CLI::Option* capture = app.add_option("CAPTURE", options->capture, "Capture folder");
-  CLI::Option* robot = app.add_option("--robot", options->robot, "robot.yaml or URDF, with --poses instead of a capture")->excludes(capture);
-  CLI::Option* poses = app.add_option("--poses", options->poses, "poses.csv: joints and T_instrument_tool")->needs(robot)->excludes(capture);
-  robot->needs(poses);
-  app.add_option("--base-link", options->base_link, "Base link, where the robot is a URDF")->needs(robot);
-  app.add_option("--tip-link", options->tip_link, "Tip link, where the robot is a URDF")->needs(robot);
-  app.add_flag("--registered", options->identify.registered, "The poses are T_base_flange already")->needs(poses);
+  addArmSource(app, options->source, options->identify);
   app.add_option("--out", options->out, "Folder for model.yaml and identification.json")->required();
   addIdentifyOptions(app, options->identify);
   app.footer(kExample);
   return [options, &common] {
-    if (options->capture.empty() && options->poses.empty()) throw InvalidArgument("identify needs a CAPTURE, or --robot and --poses");
+    requireArmSource("identify", options->source);
     Identifying result;
-    if (!options->capture.empty()) {
-      result = identifyCapture(loadCapture(options->capture, options->out, common), options->identify, options->out);
+    if (!options->source.capture.empty()) {
+      result = identifyCapture(loadCapture(options->source.capture, options->out, common), options->identify, options->out);
     } else {
-      const Arm arm = readArm(options->robot, options->base_link, options->tip_link);
-      result = identifyPoses(arm, readPoses(options->poses, arm), options->identify, options->out);
+      const Arm arm = readArm(options->source.robot, options->source.base_link, options->source.tip_link);
+      result = identifyPoses(arm, readPoses(options->source.poses, arm), options->identify, options->out);
     }
     printSummary(common, result.text, result.json);
     return 0;

@@ -90,6 +90,7 @@ struct Identification {
   Adjustment adjustment;      ///< of the final fit (weighted, bundle)
   FreeParameters free;
   Cell start;                 ///< what the priors are about
+  Registration closed_form;   ///< of the nominal arm, before anything was fitted
 };
 
 /// Identifies the arm of `cell` from observations (corners of a capture, or poses of an instrument).

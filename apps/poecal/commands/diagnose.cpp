@@ -1,0 +1,61 @@
+// poecal diagnose: where the gap lies, which effect causes it, how far it shrinks.
+#include <CLI/CLI.hpp>
+
+#include "commands.hpp"
+#include "diagnosing.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/robot/robot_file.hpp"
+
+namespace poecal::app {
+namespace {
+
+constexpr const char* kExample = R"(
+Example:
+  $ poecal diagnose capture --out out
+  diagnosis: 1 finding
+    where: joint:2, driven by tau2
+    which: joint_compliance: the joint yields to gravity's torque (99 % sure)
+           compliance 2.087e-05 +- 3.1e-07 rad/(N m)
+    how far: the gap shrinks by 93 % (88 % to 97 %)
+    what to do: compensate gravity's torque in the controller with this compliance; check the drive's tension and bearings
+)";
+
+}  // namespace
+
+std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
+  struct Options {
+    ArmSource source;
+    std::filesystem::path out;
+    std::string explain;
+    IdentifyOptions identify;
+  };
+  const auto options = std::make_shared<Options>();
+  addArmSource(app, options->source, options->identify);
+  app.add_option("--out", options->out, "Folder for diagnosis.json and model.yaml")->required();
+  app.add_option("--explain", options->explain, "Say of an effect, at each of its places, why it was or was not chosen");
+  addToleranceOptions(app, options->identify);
+  app.footer(kExample);
+  return [options, &common] {
+    requireArmSource("diagnose", options->source);
+    if (!options->explain.empty()) effectKind(options->explain);
+    // The diagnosis holds out poses itself; a fit to all is where it starts. A lens of unstated deviations is taken as stated: that it is
+    // wrong is for the diagnosis to say.
+    options->identify.hold_out_every = 0;
+    options->identify.camera = CameraChoice::kAuto;
+    options->identify.allow_still_joints = true;
+    Diagnosing result;
+    if (!options->source.capture.empty()) {
+      const CaptureInputs inputs = loadCapture(options->source.capture, options->out, common);
+      result = diagnoseCapture(inputs, identifyInputs(inputs, options->identify), options->identify, options->out);
+    } else {
+      const Arm arm = readArm(options->source.robot, options->source.base_link, options->source.tip_link);
+      const PoseTable table = readPoses(options->source.poses, arm);
+      result = diagnosePoses(table, identifyTable(arm, table, options->identify), options->identify, options->out);
+    }
+    if (!options->explain.empty()) result.text += explainEffect(result.diagnosis, options->explain);
+    printSummary(common, result.text, result.json);
+    return 0;
+  };
+}
+
+}  // namespace poecal::app

@@ -1,0 +1,137 @@
+// The diagnosis of the gap between a calibrated model and what was measured: where it lies, which effect causes it, how far it shrinks.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "poecal/capture/capture.hpp"
+#include "poecal/effects/catalogue.hpp"
+#include "poecal/identification/identify.hpp"
+
+namespace poecal {
+
+struct DiagnoseOptions {
+  double tolerance_position = 1e-3;  ///< 1 sigma of an axis' place about the nominal [m]
+  double tolerance_rotation = 3e-3;  ///< 1 sigma of an axis' tilt [rad]
+  bool registered = false;           ///< poses are T_base_flange already
+  int folds = 5;                     ///< in how many turns the poses judge a fit that did not see them
+  std::uint64_t seed = 1;            ///< of the folds and of the bootstrap
+};
+
+/// One rung of the ladder, on poses that its fit did not see.
+struct GapStage {
+  std::string stage;           ///< "nominal", "registered", "identified", "identified + joint_gain@joint:2", ...
+  double rms = 0.0;            ///< length of a corner's residual [px]; for poses the distance [m]
+  double excess = 0.0;         ///< sqrt(max(0, rms^2 - noise^2)) [px] or [m]
+  double position = 0.0;       ///< at the flange, root mean square [m]
+  double rotation = 0.0;       ///< [rad]
+};
+
+/// Where a finding's name is not the only one that the data leave open.
+struct AlternativeCause {
+  std::string effect, location, driver;
+  double probability = 0.0;
+};
+
+/// How much smaller the excess became, with a 95 % interval from resampled poses.
+struct Shrinkage {
+  double value = 0.0;
+  std::pair<double, double> interval{0.0, 0.0};
+  bool claimed() const { return interval.first > 0.0; }
+};
+
+/// A change of a joint's axis when a finding entered.
+struct AxisMove {
+  std::string joint;
+  double tilt = 0.0;   ///< [rad]
+  double shift = 0.0;  ///< [m]
+};
+
+struct Finding {
+  std::string effect = {}, location = {}, driver = {};
+  std::map<std::string, double> parameters = {}, standard_deviation = {};
+  std::map<std::string, std::string> units = {};
+  double probability = 0.0;
+  double p_value = 1.0;      ///< bound of the chance that nothing looks so, over all explanations tried (Ville)
+  double log_evidence = 0.0; ///< log of the odds against its absence that the data give, all else being in
+  double chi_square = 0.0;
+  Shrinkage shrinkage = {};       ///< of the model with it against the model with all others
+  std::vector<AlternativeCause> alternatives = {};
+  std::string separate_with = {};  ///< what would tell the alternatives apart; empty where none is close
+  std::string remedy = {};
+  std::vector<std::string> images = {};  ///< bad_samples: which
+};
+
+/// A place and a driver at which what identification left shows structure.
+struct GapPlace {
+  std::string location, driver;
+  double share = 0.0;  ///< of the excess
+  double p_value = 1.0;
+};
+
+struct Detectable {
+  std::string effect, location;
+  double smallest = 0.0;  ///< size that would have been seen four times in five
+  std::string unit;
+};
+
+struct BadSample {
+  std::size_t sample = 0;  ///< index into the samples of the capture
+  double residual = 0.0;   ///< rms of its corners [px], or distance [m]
+};
+
+/// Why an effect is named or is not.
+struct Explained {
+  std::string effect, location, driver;
+  double log_evidence = 0.0;
+  double chi_square = 0.0;
+  double probability = 0.0;
+  double smallest = 0.0;  ///< detectable size
+  std::string unit;
+};
+
+struct Diagnosis {
+  bool pixels = true;       ///< corners; otherwise poses of an instrument
+  double noise_sigma = 0.0; ///< per axis [px], or of a position [m]
+  double tag_sigma = 0.0;   ///< what all corners of a tag share, per axis [px]
+  double repeatability = 0.0;      ///< of every joint [rad]
+  double rotation_sigma = 0.0;     ///< poses [rad]
+  std::string noise_source;        ///< "repeats", "estimated"
+  double noise_rms = 0.0;          ///< of a corner's length [px], or a position's [m], all of the noise together
+  double arm_beyond_tolerance = 1.0;  ///< factor by which the arm exceeds the tolerances
+  std::vector<GapStage> stages;
+  double before_excess = 0.0, after_excess = 0.0;
+  Shrinkage shrinkage;
+  std::vector<Finding> findings;
+  std::vector<GapPlace> where;
+  bool remaining_significant = false;
+  double remaining_p_value = 1.0;
+  std::string remaining_location, remaining_driver;
+  std::vector<Detectable> detectable;
+  std::vector<NotTestable> not_testable;
+  std::vector<BadSample> bad_samples;
+  std::vector<AxisMove> axis_moves;  ///< of the twists, when the findings entered
+  std::vector<Explained> explained;  ///< every answer that was weighed, best first, nothing found yet
+  Model model;                       ///< with the effects
+};
+
+/// Diagnoses what an identification leaves.
+/// @param identification  its model is where the search starts; its start is what the tolerances are about.
+/// @param capture_target, samples, gravity  of the capture; for poses an empty target.
+/// @throws InsufficientData: fewer than 12 poses, or no arm.
+Diagnosis diagnose(const Identification& identification, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
+                   const std::vector<std::string>& other_columns, const Target& target, const Eigen::Vector3d& gravity,
+                   const DiagnoseOptions& options);
+
+/// diagnosis.json.
+std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples);
+/// One sentence each for where, which and how far, what to do, and what could not be tested.
+std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>& samples);
+/// Why an effect was or was not chosen, at each of its places. @throws InvalidArgument for a name that is no effect's.
+std::string explainEffect(const Diagnosis& diagnosis, const std::string& effect);
+
+}  // namespace poecal

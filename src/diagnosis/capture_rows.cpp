@@ -1,0 +1,153 @@
+#include "diagnosis/capture_rows.hpp"
+
+#include <Eigen/QR>
+
+#include "poecal/geometry/se3.hpp"
+
+namespace poecal {
+namespace {
+
+// Where a drive's zero is, only its maker's mark tells: far more than any bias that is left after homing [rad] or [m].
+constexpr double kZeroOffset = 0.02;
+
+/// beta of joint j for a small motion l of its whole surrounding, xi <- Ad(exp(l)) xi: what of l really moves the axis.
+Eigen::MatrixXd axisMotion(const Joint& joint) {
+  const Matrix6Xd moved = adjointOfTwist(joint.xi) * twistBasis(joint);
+  return moved.colPivHouseholderQr().solve(adjointOfTwist(joint.xi));
+}
+
+/// An observation as the undisturbed cell would have to see it: points moved as the target is bent, pixels moved back.
+Observation shaped(const Observation& observation, const Disturbance& disturbance) {
+  Observation copy = observation;
+  for (std::size_t j = 0; j < copy.corners.size(); ++j) {
+    copy.corners[j].p_target += disturbance.points[j];
+    copy.corners[j].px -= disturbance.pixels[j];
+  }
+  return copy;
+}
+
+std::vector<TargetPoint> pointsOf(const Observation& observation) {
+  std::vector<TargetPoint> points;
+  for (const CornerMeasurement& corner : observation.corners) points.push_back({corner.id, corner.p_target});
+  return points;
+}
+
+Cell withCamera(const Cell& cell, const Disturbance& disturbance) {
+  Cell disturbed = cell;
+  if (cell.camera) disturbed.camera = disturbedCamera(cell, disturbance);
+  return disturbed;
+}
+
+/// Groups of which only what is asked for remains; all where nothing is asked.
+const std::vector<std::vector<std::size_t>>& chosen(const MeasuredCell& measured, const std::vector<std::vector<std::size_t>>& groups) {
+  return groups.empty() ? measured.groups : groups;
+}
+
+std::shared_ptr<const CaptureContext> contextOf(const MeasuredCell& measured, const ModelState& state) {
+  return makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples);
+}
+
+}  // namespace
+
+Eigen::MatrixXd twistTolerance(const Arm& arm, double position, double rotation) {
+  const int count = twistParameterCount(arm);
+  // Half of the variance is of the axis itself, half of the links before it.
+  const double share = std::sqrt(0.5);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  int column = 0;
+  for (const Joint& joint : arm.joints) {
+    for (int k = 0; k < twistParameterCount(joint); ++k, ++column) {
+      const double sigma = share * (k < 2 ? rotation : position);
+      covariance(column, column) = sigma * sigma;
+    }
+  }
+  Vector6d link_variance;
+  link_variance << Eigen::Vector3d::Constant(0.5 * rotation * rotation), Eigen::Vector3d::Constant(0.5 * position * position);
+  for (std::size_t k = 0; k + 1 < arm.joints.size(); ++k) {
+    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(count, 6);
+    int row = 0;
+    for (std::size_t j = 0; j < arm.joints.size(); ++j) {
+      const int size = twistParameterCount(arm.joints[j]);
+      if (j > k) moves.middleRows(row, size) = axisMotion(arm.joints[j]);
+      row += size;
+    }
+    // The link's own frame stands in the anchor of the joint that moves it, where a tilt is only a tilt.
+    Vector6d shift = Vector6d::Zero();
+    shift.tail<3>() = arm.joints[k].anchor;
+    const Eigen::MatrixXd at_anchor = moves * adjoint(expSe3(shift));
+    covariance += at_anchor * link_variance.asDiagonal() * at_anchor.transpose();
+    const Eigen::VectorXd zero = moves * arm.joints[k].xi;
+    covariance += kZeroOffset * kZeroOffset * zero * zero.transpose();
+  }
+  return covariance;
+}
+
+Eigen::VectorXd ObservationRows::along(const Disturbance& direction) const {
+  Eigen::VectorXd motion = rows.H * ports.along(direction);
+  if (rows.K.cols() > 0 && direction.intrinsics.size() > 0) motion += rows.K * direction.intrinsics;
+  const bool corners = rows.unit_size == 2;
+  for (std::size_t j = 0; corners && j < unit_sigma.size(); ++j) {
+    if (!rows.valid[j]) continue;
+    const auto row = 2 * static_cast<Eigen::Index>(j);
+    if (!direction.points.empty()) motion.segment<2>(row) += rows.H.block<2, 3>(row, 3) * (R_camera_target * direction.points[j]);
+    if (!direction.pixels.empty()) motion.segment<2>(row) += direction.pixels[j] / unit_sigma[j];
+  }
+  return motion;
+}
+
+CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups) {
+  const auto capture = contextOf(measured, state);
+  const ParameterLayout layout(state.cell.cell, measured.free);
+  CaptureRows all;
+  int begin = 0;
+  for (const std::vector<std::size_t>& group : chosen(measured, groups)) {
+    all.groups.emplace_back();
+    for (const std::size_t k : group) {
+      const Observation& observation = measured.observations[k];
+      const Sample& sample = measured.samples[k];
+      ObservationRows part;
+      part.begin = begin;
+      part.size = observation.unitCount() * observation.unitSize();
+      part.context = makeSampleContext(capture, sample, k, pointsOf(observation));
+      const Disturbance disturbance = disturbanceOf(state.effects, part.context);
+      part.ports = posePortJacobian(state.cell.cell, sample, disturbance);
+      part.R_camera_target = part.ports.T_camera_target.linear();
+      const Cell disturbed = withCamera(state.cell.cell, disturbance);
+      evaluateRows(disturbed, shaped(observation, disturbance), part.ports.T_camera_target, disturbed.camera.has_value(), part.rows);
+      for (int unit = 0; unit < observation.unitCount(); ++unit) {
+        part.unit_sigma.push_back(observation.pose ? 1.0 / observation.pose->whitening(5, 5) : observation.corners[static_cast<std::size_t>(unit)].sigma_px);
+      }
+      begin += part.size;
+      all.groups.back().push_back(all.observations.size());
+      all.observations.push_back(std::move(part));
+    }
+  }
+  all.r.resize(begin);
+  all.J.resize(begin, layout.total);
+  for (const ObservationRows& part : all.observations) {
+    all.r.segment(part.begin, part.size) = part.rows.r;
+    const PoseDerivative pose = evaluatePose(state.cell, layout, measured.observations[part.context.number]);
+    all.J.block(part.begin, 0, part.size, layout.pose_parameters) = part.rows.H * pose.M;
+    if (layout.intrinsics >= 0) all.J.block(part.begin, layout.intrinsics, part.size, part.rows.K.cols()) = part.rows.K;
+  }
+  return all;
+}
+
+Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups) {
+  const auto capture = contextOf(measured, state);
+  std::vector<double> all;
+  SampleRows rows;
+  for (const std::vector<std::size_t>& group : chosen(measured, groups)) {
+    for (const std::size_t k : group) {
+      const Observation& observation = measured.observations[k];
+      const SampleContext context = makeSampleContext(capture, measured.samples[k], k, pointsOf(observation));
+      const Disturbance disturbance = disturbanceOf(state.effects, context);
+      const Cell disturbed = withCamera(state.cell.cell, disturbance);
+      evaluateRows(disturbed, shaped(observation, disturbance), disturbedTarget(state.cell.cell, measured.samples[k], disturbance), false, rows);
+      all.insert(all.end(), rows.r.begin(), rows.r.end());
+    }
+  }
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
+}  // namespace poecal

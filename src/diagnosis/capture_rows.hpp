@@ -1,0 +1,68 @@
+// Residuals of a whole capture and their derivatives at a state of the model: what screening, noise and re-fits all work on.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cell/linearisation.hpp"
+#include "poecal/cell/observation.hpp"
+#include "poecal/cell/ports.hpp"
+#include "poecal/effects/effect.hpp"
+#include "poecal/effects/sample_context.hpp"
+
+namespace poecal {
+
+/// What was measured, and what is believed of the cell before looking at it.
+struct MeasuredCell {
+  Cell start;           ///< nominal arm, registered: what the priors are about
+  FreeParameters free;  ///< of the base model: twists, and both transforms or gamma, and intrinsics where their deviations are stated
+  std::vector<Observation> observations;
+  std::vector<Sample> samples;                   ///< of each observation
+  std::vector<std::vector<std::size_t>> groups;  ///< repeat shots of one pose, as indices into observations
+  Target target;
+  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
+  Eigen::MatrixXd twist_covariance;  ///< of the twist parameters beta about the nominal arm; see twistTolerance
+  Eigen::VectorXd camera_sigma;      ///< stated standard deviations of the intrinsics; empty where they are held
+};
+
+/// Covariance of the twist parameters of an arm whose parts are made to tolerance: each axis is off by itself (1 sigma tilt and shift), and
+/// each link is wrongly shaped, which moves all that comes after it together. Joint zeros may be anywhere, since no data can tell them.
+Eigen::MatrixXd twistTolerance(const Arm& arm, double position, double rotation);
+
+/// A cell on its way, with the effects that it was given so far.
+struct ModelState {
+  CellState cell;
+  std::vector<AppliedEffect> effects;
+};
+
+/// One observation's part of the rows.
+struct ObservationRows {
+  int begin = 0, size = 0;  ///< rows
+  SampleContext context;
+  PosePortJacobian ports;
+  SampleRows rows;                        ///< r, H, K in units of the stated sigma
+  std::vector<double> unit_sigma;         ///< stated sigma of each unit [px], or of a pose's position [m]
+  Eigen::Matrix3d R_camera_target = Eigen::Matrix3d::Identity();
+
+  /// d(model)/d(amount) of this observation's rows, for a direction in which its ports move.
+  Eigen::VectorXd along(const Disturbance& direction) const;
+};
+
+struct CaptureRows {
+  Eigen::VectorXd r;  ///< measured - model, in units of the stated sigma
+  Eigen::MatrixXd J;  ///< d(model)/d(base parameters)
+  std::vector<ObservationRows> observations;
+  std::vector<std::vector<std::size_t>> groups;
+
+  int size() const { return static_cast<int>(r.size()); }
+};
+
+/// Rows of a subset of the groups (all where `groups` is empty).
+CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups);
+
+/// Residuals alone.
+Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups);
+
+}  // namespace poecal

@@ -1,0 +1,389 @@
+#include "poecal/diagnosis/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "diagnosis/ladder.hpp"
+#include "diagnosis/selection.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/statistics.hpp"
+
+namespace poecal {
+namespace {
+
+// Expected chi-square of an effect that a search over some hundred answers finds four times in five.
+constexpr double kDetectableChiSquare = 36.0;
+// An effect that would have to be so many times its usual size is none that these data can test.
+constexpr double kAbsurdSize = 30.0;
+constexpr std::size_t kFewestPoses = 12;
+
+MeasuredCell measuredCell(const Identification& identification, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
+                          const Target& target, const Eigen::Vector3d& gravity, const DiagnoseOptions& options) {
+  MeasuredCell measured;
+  measured.start = identification.start;
+  measured.free = identification.free;
+  // A camera that was re-fitted though its file states no deviations is the lens that it was found to be, or the finding would be lost in it.
+  const bool stated = measured.start.camera && measured.start.camera->standard_deviation.size() > 0;
+  measured.free.intrinsics = identification.free.intrinsics && stated;
+  if (measured.free.intrinsics) measured.camera_sigma = measured.start.camera->standard_deviation;
+  measured.observations = observations;
+  for (Observation& observation : measured.observations) {
+    measured.samples.push_back(samples[observation.sample]);
+    if (!observation.pose || identification.sigmas_stated || observation.pose->position_only) continue;
+    Vector6d weight;
+    weight << Eigen::Vector3d::Constant(1.0 / identification.sigma_rotation), Eigen::Vector3d::Constant(1.0 / identification.sigma_position);
+    observation.pose->whitening = weight.asDiagonal();
+  }
+  measured.groups = observationGroups(measured.observations, samples);
+  measured.target = target;
+  measured.gravity = gravity;
+  measured.twist_covariance = twistTolerance(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
+  return measured;
+}
+
+ModelState identifiedState(const Identification& identification, const MeasuredCell& measured) {
+  CellState state(measured.start, measured.free);
+  state.cell = identification.model.cell;
+  if (measured.start.camera && !measured.free.intrinsics) state.cell.camera = measured.start.camera;
+  state.cell.arm->links = measured.start.arm->links;
+  state.beta = identification.adjustment.beta;
+  state.reference->gamma = identification.model.cell.arm->gamma;
+  return {state, {}};
+}
+
+/// Effects and where they are, all scanned parameters together, as the data of this capture could tell of them.
+struct Sight {
+  double smallest = std::numeric_limits<double>::infinity();
+  std::string unit;
+  double times_typical = std::numeric_limits<double>::infinity();
+};
+
+std::map<std::pair<std::string, std::string>, Sight> sights(const Selection& selection) {
+  std::map<std::pair<std::string, std::string>, Sight> all;
+  for (std::size_t i = 0; i < selection.candidates.size(); ++i) {
+    const Candidate& candidate = selection.candidates[i];
+    if (!candidate.known()) continue;
+    Sight& sight = all[{candidate.name, candidate.location}];
+    const auto first = static_cast<std::size_t>(candidate.linear.front());
+    const double information = selection.base_evidence[i].information;
+    const double times = information > 0.0 ? std::sqrt(kDetectableChiSquare / information) : std::numeric_limits<double>::infinity();
+    if (times < sight.times_typical || sight.unit.empty()) {
+      sight = {times * candidate.typical(0), candidate.effect->parameters()[first].unit, times};
+    }
+  }
+  return all;
+}
+
+/// Why an effect that has its columns still shows nothing.
+std::string whyUnseen(const std::string& effect, const std::string& location, const MeasuredCell& measured) {
+  const bool at_joint = location.starts_with("joint:");
+  if (at_joint) {
+    const auto k = static_cast<Eigen::Index>(std::stoul(location.substr(6))) - 1;
+    const auto all = [&measured](auto is) { return std::all_of(measured.samples.begin(), measured.samples.end(), is); };
+    const Sample& first = measured.samples.front();
+    if (effect == "joint_backlash" && all([&](const Sample& s) { return s.dir(k) == first.dir(k); })) {
+      return fmt::format("the joint was always reached from the same side (dir{}): one half of its play is a joint zero, which no data can tell", k + 1);
+    }
+    if (effect == "joint_compliance" && std::abs(measured.start.arm->joints[static_cast<std::size_t>(k)].axis().dot(measured.gravity.normalized())) > 0.999 &&
+        k == 0) {
+      return "its axis is vertical: gravity has no moment about it";
+    }
+  }
+  return "what it moves is what the arm's axes and the two transforms around it may move too";
+}
+
+void tellWhatCanBeSeen(const Selection& selection, Diagnosis& diagnosis) {
+  diagnosis.not_testable = selection.not_testable;
+  for (const auto& [name, sight] : sights(selection)) {
+    if (sight.times_typical > kAbsurdSize) {
+      diagnosis.not_testable.push_back({name.first, name.second, whyUnseen(name.first, name.second, selection.measured)});
+    } else {
+      diagnosis.detectable.push_back({name.first, name.second, sight.smallest, sight.unit});
+    }
+  }
+  const std::vector<Joint>& joints = selection.measured.start.arm->joints;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    diagnosis.not_testable.push_back({"joint_offset", fmt::format("joint:{}", k + 1),
+                                      "a joint's zero is where all axes after it are turned to: it is part of the twists, not an effect beside them"});
+  }
+}
+
+/// Sample deviations of the factors of what was accepted, from the covariance of the last fit.
+std::vector<Eigen::VectorXd> factorDeviations(const Selection& selection) {
+  std::vector<Eigen::VectorXd> all;
+  Eigen::Index begin = selection.linear.rows.J.cols();
+  const Eigen::VectorXd deviation = selection.linear.noise.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (const Accepted& one : selection.linear.accepted) {
+    all.push_back(deviation.segment(begin, one.factors.size()));
+    begin += one.factors.size();
+  }
+  return all;
+}
+
+void fillParameters(const Accepted& accepted, const Eigen::VectorXd& deviation, Finding& finding) {
+  const Candidate& candidate = accepted.candidate;
+  if (!candidate.known()) return;
+  const std::vector<EffectParameter>& parameters = candidate.effect->parameters();
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    finding.parameters[parameters[i].name] = candidate.parameters(static_cast<Eigen::Index>(i));
+    finding.units[parameters[i].name] = parameters[i].unit;
+  }
+  for (std::size_t i = 0; i < candidate.linear.size(); ++i) {
+    const std::string& name = parameters[static_cast<std::size_t>(candidate.linear[i])].name;
+    finding.parameters[name] = accepted.factors(static_cast<Eigen::Index>(i));
+    finding.standard_deviation[name] = deviation(static_cast<Eigen::Index>(i));
+  }
+}
+
+void fillAlternatives(const Ranking& ranking, Finding& finding) {
+  constexpr double kWorthNaming = 0.005;
+  constexpr std::size_t kMost = 8;
+  finding.probability = ranking.probability(0);
+  finding.p_value = ranking.pValue();
+  for (std::size_t i = 1; i < ranking.answers.size() && finding.alternatives.size() < kMost; ++i) {
+    const RankedAnswer& other = ranking.answers[i];
+    const double probability = ranking.probability(i);
+    if (probability > kWorthNaming) finding.alternatives.push_back({other.name, other.location, other.driver, probability});
+  }
+  std::stable_sort(finding.alternatives.begin(), finding.alternatives.end(),
+                   [](const AlternativeCause& a, const AlternativeCause& b) { return a.probability > b.probability; });
+  if (finding.alternatives.empty()) return;
+  std::set<std::string> ways;
+  for (const std::string& name : {finding.effect, finding.alternatives.front().effect}) {
+    if (const EffectKind* kind = findEffectKind(name)) ways.insert(kind->separate);
+  }
+  for (const std::string& way : ways) finding.separate_with += (finding.separate_with.empty() ? "" : "; or ") + way;
+}
+
+std::string rungName(const Selection& selection, const std::vector<std::size_t>& findings) {
+  std::string name = "identified";
+  for (const std::size_t i : findings) name += fmt::format(" + {}@{}", selection.findings[i].name, selection.findings[i].location);
+  return name;
+}
+
+/// The ladder, and how much each finding shrinks the excess.
+void climb(const Selection& selection, const Identification& identification, const DiagnoseOptions& options, Diagnosis& diagnosis) {
+  const Ladder ladder(selection, identification.closed_form, options.folds, options.seed);
+  std::vector<Rung> rungs = ladder.geometricRungs();
+  std::vector<std::size_t> taken;
+  for (std::size_t i = 0; i < selection.findings.size(); ++i) {
+    taken.push_back(i);
+    if (selection.findings[i].accepted) rungs.push_back(ladder.rungWith(rungName(selection, taken), taken));
+  }
+  for (const Rung& rung : rungs) diagnosis.stages.push_back(ladder.stageOf(rung));
+  constexpr std::size_t kIdentified = 2;
+  diagnosis.noise_rms = ladder.noiseRms();
+  diagnosis.before_excess = diagnosis.stages[kIdentified].excess;
+  diagnosis.after_excess = diagnosis.stages.back().excess;
+  if (rungs.size() > kIdentified + 1) diagnosis.shrinkage = ladder.shrinkage(rungs[kIdentified], rungs.back());
+  for (std::size_t i = 0; i < selection.findings.size(); ++i) {
+    if (!selection.findings[i].accepted) continue;
+    std::vector<std::size_t> others;
+    for (const std::size_t j : taken) {
+      if (j != i) others.push_back(j);
+    }
+    const bool alone = std::none_of(others.begin(), others.end(), [&](std::size_t j) { return selection.findings[j].accepted.has_value(); });
+    diagnosis.findings[i].shrinkage = alone ? diagnosis.shrinkage : ladder.shrinkage(ladder.rungWith("", others), rungs.back());
+  }
+}
+
+void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
+  const NoiseEstimate& noise = selection.linear.noise;
+  std::vector<double> sigmas;
+  for (const ObservationRows& part : selection.linear.rows.observations) sigmas.insert(sigmas.end(), part.unit_sigma.begin(), part.unit_sigma.end());
+  const double stated = sigmas.empty() ? 1.0 : median(sigmas);
+  for (std::size_t i = 0; i < selection.linear.components.size(); ++i) {
+    const std::string& name = selection.linear.components[i].name;
+    const double sigma = std::sqrt(noise.theta(static_cast<Eigen::Index>(i)));
+    if (name == "corner" || name == "position") diagnosis.noise_sigma = stated * sigma;
+    if (name == "tag") diagnosis.tag_sigma = sigma;
+    if (name == "repeatability") diagnosis.repeatability = sigma;
+    if (name == "rotation") {
+      const PoseMeasurement& pose = *selection.measured.observations.front().pose;
+      diagnosis.rotation_sigma = sigma / pose.whitening(0, 0);
+    }
+  }
+  const bool repeats = std::any_of(selection.measured.groups.begin(), selection.measured.groups.end(), [](const auto& g) { return g.size() > 1; });
+  diagnosis.noise_source = repeats ? "repeats" : "estimated";
+  diagnosis.arm_beyond_tolerance = noise.tolerance;
+}
+
+/// Places and drivers at which the identified model leaves structure, by the noise that remains at the end.
+void tellWhere(const Selection& selection, Diagnosis& diagnosis) {
+  if (selection.findings.empty()) return;
+  Linearised before = refit(selection.measured, selection.base, {}, {}, selection.linear.noise, {}, false);
+  std::vector<Candidate> places;
+  for (const Candidate& candidate : selection.candidates) {
+    if (!candidate.known()) places.push_back(candidate);
+  }
+  const std::size_t curves = places.size();
+  for (const FoundEffect& found : selection.findings) {
+    if (found.accepted) places.push_back(found.accepted->candidate);
+  }
+  const std::vector<Evidence> evidence = screen(before, places);
+  Linearised after = selection.linear;
+  double explained = 0.0;
+  for (std::size_t i = curves; i < places.size(); ++i) explained += evidence[i].chi_square;
+  explained = std::max(explained, 1.0);
+  std::map<std::pair<std::string, std::string>, GapPlace> found;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double chi_square = evidence[i].chi_square;
+    GapPlace place{places[i].location, places[i].driver, std::clamp((chi_square - evidence[i].dimension) / explained, 0.0, 1.0),
+                   std::min(1.0, static_cast<double>(places.size()) * chiSquareTail(chi_square, evidence[i].dimension))};
+    GapPlace& known = found[{place.location, place.driver}];
+    if (known.location.empty() || known.share < place.share) known = place;
+  }
+  for (const auto& [key, place] : found) {
+    if (place.p_value < 0.01 && place.share > 0.02) diagnosis.where.push_back(place);
+  }
+  std::stable_sort(diagnosis.where.begin(), diagnosis.where.end(), [](const GapPlace& a, const GapPlace& b) { return a.share > b.share; });
+  constexpr std::size_t kMost = 10;
+  if (diagnosis.where.size() > kMost) diagnosis.where.resize(kMost);
+}
+
+void tellRemaining(const Selection& selection, Diagnosis& diagnosis) {
+  std::vector<Candidate> curves;
+  for (const Candidate& candidate : selection.candidates) {
+    if (!candidate.known()) curves.push_back(candidate);
+  }
+  if (curves.empty()) return;
+  const std::vector<Evidence> evidence = screen(selection.linear, curves);
+  const double all = static_cast<double>(curves.size());
+  std::size_t best = 0;
+  double total = 0.0;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    total += std::exp(std::min(700.0, evidence[i].log_bayes)) / all;
+    if (evidence[i].log_bayes > evidence[best].log_bayes) best = i;
+  }
+  diagnosis.remaining_p_value = std::min(1.0, 1.0 / total);
+  diagnosis.remaining_significant = diagnosis.remaining_p_value < 0.01;
+  if (!diagnosis.remaining_significant) return;
+  diagnosis.remaining_location = curves[best].location;
+  diagnosis.remaining_driver = curves[best].driver;
+}
+
+void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
+  const auto seen = sights(selection);
+  std::map<std::string, Explained> answers;
+  for (std::size_t i = 0; i < selection.candidates.size(); ++i) {
+    const Candidate& candidate = selection.candidates[i];
+    const Evidence& evidence = selection.base_evidence[i];
+    Explained& explained = answers[candidate.answer()];
+    if (!explained.effect.empty() && explained.log_evidence > evidence.log_bayes) continue;
+    explained = {candidate.name, candidate.location, candidate.driver, evidence.log_bayes, evidence.chi_square, 0.0, 0.0, ""};
+    const auto sight = seen.find({candidate.name, candidate.location});
+    if (sight != seen.end()) {
+      explained.smallest = sight->second.smallest;
+      explained.unit = sight->second.unit;
+    }
+  }
+  for (const FoundEffect& found : selection.findings) {
+    for (std::size_t i = 0; i < found.ranking.answers.size(); ++i) {
+      const RankedAnswer& answer = found.ranking.answers[i];
+      Explained& explained = answers[answer.name + "@" + answer.location + "/" + answer.driver];
+      explained.effect = answer.name;
+      explained.location = answer.location;
+      explained.driver = answer.driver;
+      explained.log_evidence = answer.log_bayes;
+      explained.probability = std::max(explained.probability, found.ranking.probability(i));
+    }
+  }
+  for (const auto& [name, explained] : answers) diagnosis.explained.push_back(explained);
+  std::stable_sort(diagnosis.explained.begin(), diagnosis.explained.end(),
+                   [](const Explained& a, const Explained& b) { return a.log_evidence > b.log_evidence; });
+}
+
+void tellBad(const Selection& selection, const std::vector<Observation>& observations, const std::vector<Sample>& samples, Diagnosis& diagnosis) {
+  if (selection.bad.empty()) return;
+  Finding finding{.effect = "bad_samples", .location = "samples", .driver = "none"};
+  finding.probability = 1.0;
+  finding.p_value = 1e-9;
+  finding.remedy = effectKind("bad_samples").remedy;
+  Cell cell = selection.linear.state.cell.cell;
+  for (const std::size_t k : selection.bad) {
+    double sum = 0.0;
+    int count = 0;
+    for (const UnitResidual& unit : residuals(cell, observations[k])) {
+      const double square = observations[k].pose ? unit.residual.tail<3>().squaredNorm() : unit.residual.squaredNorm();
+      if (!std::isfinite(square)) continue;
+      sum += square;
+      ++count;
+    }
+    const std::size_t sample = observations[k].sample;
+    diagnosis.bad_samples.push_back({sample, count > 0 ? std::sqrt(sum / count) : 0.0});
+    finding.images.push_back(samples[sample].image.empty() ? fmt::format("line {}", samples[sample].line) : samples[sample].image);
+  }
+  finding.parameters["share"] = static_cast<double>(selection.bad.size()) / static_cast<double>(observations.size());
+  finding.units["share"] = "";
+  diagnosis.findings.push_back(std::move(finding));
+}
+
+void tellModel(const Selection& selection, const Identification& identification, Diagnosis& diagnosis) {
+  diagnosis.model = identification.model;
+  const ModelState& state = selection.linear.state;
+  diagnosis.model.cell = state.cell.cell;
+  if (!selection.measured.target.points.empty()) diagnosis.model.target = selection.measured.target;
+  diagnosis.model.effects = state.effects;
+  const Arm& before = *selection.base.cell.cell.arm;
+  const Arm& after = *state.cell.cell.arm;
+  for (std::size_t k = 0; k < after.joints.size(); ++k) {
+    const AxisOffset offset = axisOffset(before.joints[k], after.joints[k]);
+    diagnosis.axis_moves.push_back({after.joints[k].name, offset.tilt, offset.shift});
+  }
+}
+
+}  // namespace
+
+Diagnosis diagnose(const Identification& identification, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
+                   const std::vector<std::string>& other_columns, const Target& target, const Eigen::Vector3d& gravity,
+                   const DiagnoseOptions& options) {
+  if (!identification.start.arm) throw InsufficientData("a diagnosis needs joint readings");
+  const MeasuredCell measured = measuredCell(identification, observations, samples, target, gravity, options);
+  if (measured.groups.size() < kFewestPoses) {
+    throw InsufficientData(fmt::format("{} poses are too few to tell an effect from the arm's own geometry: at least {} are needed, 40 or more are advised",
+                                       measured.groups.size(), kFewestPoses));
+  }
+  const Selection selection = selectEffects(measured, identifiedState(identification, measured), other_columns);
+  Diagnosis diagnosis;
+  diagnosis.pixels = measured.start.camera.has_value();
+  const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
+  std::size_t next = 0;
+  for (const FoundEffect& found : selection.findings) {
+    Finding finding{.effect = found.name, .location = found.location, .driver = found.driver};
+    finding.log_evidence = found.log_bayes;
+    finding.chi_square = found.chi_square;
+    if (found.accepted) {
+      fillParameters(*found.accepted, deviations[next], finding);
+      ++next;
+    }
+    if (found.scatter) {
+      const auto k = selection.linear.noise.theta.size() - static_cast<Eigen::Index>(
+                         std::count_if(selection.findings.begin(), selection.findings.end(), [](const FoundEffect& f) { return f.scatter.has_value(); }));
+      Eigen::Index at = k;
+      for (const FoundEffect& other : selection.findings) {
+        if (other.scatter == found.scatter) break;
+        if (other.scatter) ++at;
+      }
+      finding.parameters["sigma"] = std::sqrt(selection.linear.noise.theta(at));
+      finding.units["sigma"] = measured.start.arm->joints[*found.scatter].type == JointType::kRevolute ? "rad" : "m";
+    }
+    fillAlternatives(found.ranking, finding);
+    if (const EffectKind* kind = findEffectKind(found.name)) finding.remedy = kind->remedy;
+    diagnosis.findings.push_back(std::move(finding));
+  }
+  tellNoise(selection, diagnosis);
+  climb(selection, identification, options, diagnosis);
+  tellWhere(selection, diagnosis);
+  tellRemaining(selection, diagnosis);
+  tellWhatCanBeSeen(selection, diagnosis);
+  tellExplained(selection, diagnosis);
+  tellBad(selection, observations, samples, diagnosis);
+  tellModel(selection, identification, diagnosis);
+  return diagnosis;
+}
+
+}  // namespace poecal

@@ -1,0 +1,110 @@
+// diagnosis.json, as the contract words it.
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "poecal/diagnosis/diagnose.hpp"
+
+namespace poecal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json interval(const std::pair<double, double>& bounds) { return {bounds.first, bounds.second}; }
+
+Json gapJson(const Diagnosis& diagnosis) {
+  // Poses of an instrument have no pixels: their errors are lengths.
+  const double unit = diagnosis.pixels ? 1.0 : 1e3;
+  const std::string suffix = diagnosis.pixels ? "_px" : "_mm";
+  Json stages = Json::array();
+  for (const GapStage& stage : diagnosis.stages) {
+    stages.push_back({{"stage", stage.stage},
+                      {"rms" + suffix, unit * stage.rms},
+                      {"excess" + suffix, unit * stage.excess},
+                      {"position_mm", 1e3 * stage.position},
+                      {"rotation_mrad", 1e3 * stage.rotation}});
+  }
+  return {{"stages", stages},
+          {"before_excess" + suffix, unit * diagnosis.before_excess},
+          {"after_excess" + suffix, unit * diagnosis.after_excess},
+          {"noise_rms" + suffix, unit * diagnosis.noise_rms},
+          {"shrinkage", diagnosis.shrinkage.value},
+          {"shrinkage_ci95", interval(diagnosis.shrinkage.interval)},
+          {"shrinkage_claimed", diagnosis.shrinkage.claimed()}};
+}
+
+Json noiseJson(const Diagnosis& diagnosis) {
+  Json json;
+  if (diagnosis.pixels) {
+    json = {{"pixel_sigma", diagnosis.noise_sigma}, {"source", diagnosis.noise_source}, {"tag_sigma_px", diagnosis.tag_sigma},
+            {"joint_repeatability", diagnosis.repeatability}};
+  } else {
+    json = {{"position_sigma", diagnosis.noise_sigma}, {"rotation_sigma", diagnosis.rotation_sigma}, {"source", diagnosis.noise_source}};
+  }
+  json["arm_beyond_tolerance"] = diagnosis.arm_beyond_tolerance;
+  return json;
+}
+
+Json findingJson(const Finding& finding) {
+  Json alternatives = Json::array();
+  for (const AlternativeCause& other : finding.alternatives) {
+    alternatives.push_back({{"effect", other.effect}, {"location", other.location}, {"driver", other.driver}, {"probability", other.probability}});
+  }
+  Json json{{"effect", finding.effect},
+            {"location", finding.location},
+            {"driver", finding.driver},
+            {"parameters", finding.parameters},
+            {"standard_deviation", finding.standard_deviation},
+            {"units", finding.units},
+            {"probability", finding.probability},
+            {"p_value", finding.p_value},
+            {"log_evidence", finding.log_evidence},
+            {"shrinkage", finding.shrinkage.value},
+            {"shrinkage_ci95", interval(finding.shrinkage.interval)},
+            {"shrinkage_claimed", finding.shrinkage.claimed()},
+            {"alternatives", alternatives},
+            {"separate_with", finding.separate_with},
+            {"remedy", finding.remedy}};
+  if (!finding.images.empty()) json["samples"] = finding.images;
+  return json;
+}
+
+Json orNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+}  // namespace
+
+std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples) {
+  Json findings = Json::array(), where = Json::array(), detectable = Json::array(), not_testable = Json::array(), bad = Json::array(), moves = Json::array();
+  for (const Finding& finding : diagnosis.findings) findings.push_back(findingJson(finding));
+  for (const GapPlace& place : diagnosis.where) {
+    where.push_back({{"location", place.location}, {"driver", place.driver}, {"share", place.share}, {"p_value", place.p_value}});
+  }
+  for (const Detectable& each : diagnosis.detectable) {
+    detectable.push_back({{"effect", each.effect}, {"location", each.location}, {"smallest", each.smallest}, {"unit", each.unit}});
+  }
+  for (const NotTestable& each : diagnosis.not_testable) {
+    not_testable.push_back({{"effect", each.effect}, {"location", each.location}, {"why", each.why}});
+  }
+  for (const BadSample& row : diagnosis.bad_samples) {
+    bad.push_back({{"image", samples[row.sample].image}, {"line", samples[row.sample].line}, {diagnosis.pixels ? "rms_px" : "distance", row.residual}});
+  }
+  for (const AxisMove& move : diagnosis.axis_moves) moves.push_back({{"joint", move.joint}, {"tilt_mrad", 1e3 * move.tilt}, {"shift_mm", 1e3 * move.shift}});
+  const Json json{{"format", "poecal-diagnosis/1"},
+                  {"verdict", diagnosis.findings.empty() ? "none" : "effects"},
+                  {"noise", noiseJson(diagnosis)},
+                  {"gap", gapJson(diagnosis)},
+                  {"findings", findings},
+                  {"where", where},
+                  {"remaining",
+                   {{"significant", diagnosis.remaining_significant},
+                    {"p_value", diagnosis.remaining_p_value},
+                    {"location", orNull(diagnosis.remaining_location)},
+                    {"driver", orNull(diagnosis.remaining_driver)}}},
+                  {"bad_samples", bad},
+                  {"axis_moves", moves},
+                  {"detectable", detectable},
+                  {"not_testable", not_testable}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace poecal

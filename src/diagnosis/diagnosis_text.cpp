@@ -1,0 +1,117 @@
+// What a diagnosis says to people.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "poecal/core/error.hpp"
+#include "poecal/diagnosis/diagnose.hpp"
+
+namespace poecal {
+namespace {
+
+std::string size(const Diagnosis& diagnosis, double value) {
+  return diagnosis.pixels ? fmt::format("{:.3f} px", value) : fmt::format("{:.3f} mm", 1e3 * value);
+}
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
+
+std::string meaning(const std::string& effect) {
+  if (effect == "unknown") return "structure that no listed effect explains";
+  return effectKind(effect).meaning;
+}
+
+std::string ladder(const Diagnosis& diagnosis) {
+  std::string text = fmt::format("  on poses that the fit did not see, noise {}:\n", size(diagnosis, diagnosis.noise_rms));
+  std::size_t width = 0;
+  for (const GapStage& stage : diagnosis.stages) width = std::max(width, stage.stage.size());
+  for (const GapStage& stage : diagnosis.stages) {
+    text += fmt::format("    {:<{}}  rms {}, above noise {}, {:.3f} mm, {:.3f} mrad\n", stage.stage, width, size(diagnosis, stage.rms),
+                        size(diagnosis, stage.excess), 1e3 * stage.position, 1e3 * stage.rotation);
+  }
+  return text;
+}
+
+std::string sizes(const Finding& finding) {
+  std::string text;
+  for (const auto& [name, value] : finding.parameters) {
+    const auto deviation = finding.standard_deviation.find(name);
+    const std::string plus = deviation == finding.standard_deviation.end() ? "" : fmt::format(" +- {:.2g}", deviation->second);
+    const std::string& unit = finding.units.at(name);
+    text += fmt::format("{}{} {:.4g}{}{}", text.empty() ? "" : ", ", name, value, plus, unit.empty() ? "" : " " + unit);
+  }
+  return text;
+}
+
+std::string findingText(const Finding& finding) {
+  constexpr std::size_t kMostSizes = 8;
+  std::string text = fmt::format("  where: {}, driven by {}\n", finding.location, finding.driver);
+  text += fmt::format("  which: {}: {} ({} sure)\n", finding.effect, meaning(finding.effect), percent(std::min(0.999, finding.probability)));
+  if (!finding.parameters.empty() && finding.parameters.size() <= kMostSizes) text += fmt::format("         {}\n", sizes(finding));
+  if (!finding.images.empty()) {
+    constexpr std::size_t kShown = 10;
+    for (std::size_t k = 0; k < finding.images.size() && k < kShown; ++k) text += fmt::format("         {}\n", finding.images[k]);
+    if (finding.images.size() > kShown) text += fmt::format("         and {} more, see diagnosis.json\n", finding.images.size() - kShown);
+  }
+  for (const AlternativeCause& other : finding.alternatives) {
+    text += fmt::format("         or {} at {} ({})\n", other.effect, other.location, percent(other.probability));
+  }
+  if (finding.effect != "bad_samples" && finding.effect != "joint_scatter") {
+    text += finding.shrinkage.claimed()
+                ? fmt::format("  how far: the gap shrinks by {} ({} to {})\n", percent(finding.shrinkage.value), percent(finding.shrinkage.interval.first),
+                              percent(finding.shrinkage.interval.second))
+                : std::string("  how far: no smaller on poses that the fit did not see; the twists had swallowed it\n");
+  }
+  if (!finding.remedy.empty()) text += fmt::format("  what to do: {}\n", finding.remedy);
+  if (!finding.separate_with.empty()) text += fmt::format("  to tell them apart: {}\n", finding.separate_with);
+  return text;
+}
+
+}  // namespace
+
+std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&) {
+  std::string text;
+  if (diagnosis.findings.empty()) {
+    text = "diagnosis: nothing beyond noise and geometry\n";
+  } else {
+    text = fmt::format("diagnosis: {} {}\n", diagnosis.findings.size(), diagnosis.findings.size() == 1 ? "finding" : "findings");
+    for (const Finding& finding : diagnosis.findings) text += findingText(finding);
+  }
+  text += ladder(diagnosis);
+  if (diagnosis.remaining_significant) {
+    text += fmt::format("  still there: structure at {}, driven by {}\n", diagnosis.remaining_location, diagnosis.remaining_driver);
+  }
+  if (diagnosis.arm_beyond_tolerance > 2.0) {
+    text += fmt::format("  the arm is {:.1f} times farther from its nominal geometry than the tolerances allow: check robot and options\n",
+                        diagnosis.arm_beyond_tolerance);
+  }
+  std::vector<std::string> untested;
+  for (const NotTestable& each : diagnosis.not_testable) {
+    const std::string line = fmt::format("{} ({})", each.effect, each.why);
+    const bool zero = each.effect == "joint_offset";
+    if (!zero && std::find(untested.begin(), untested.end(), line) == untested.end()) untested.push_back(line);
+  }
+  constexpr std::size_t kShown = 6;
+  for (std::size_t k = 0; k < untested.size() && k < kShown; ++k) text += fmt::format("  not tested: {}\n", untested[k]);
+  if (untested.size() > kShown) text += fmt::format("  and {} more that this capture cannot test, see diagnosis.json\n", untested.size() - kShown);
+  return text;
+}
+
+std::string explainEffect(const Diagnosis& diagnosis, const std::string& effect) {
+  const EffectKind& kind = effectKind(effect);
+  std::string text = fmt::format("{}: {}\n", kind.name, kind.meaning);
+  for (const Finding& finding : diagnosis.findings) {
+    if (finding.effect == effect) text += fmt::format("  found at {} ({})\n", finding.location, sizes(finding));
+  }
+  for (const Explained& each : diagnosis.explained) {
+    if (each.effect != effect) continue;
+    text += fmt::format("  {} driven by {}: log odds {:.1f}, takes {:.1f} off chi-square, probability {:.3f}; smallest that would be seen {:.2g} {}\n",
+                        each.location, each.driver, each.log_evidence, each.chi_square, each.probability, each.smallest, each.unit);
+  }
+  for (const NotTestable& each : diagnosis.not_testable) {
+    if (each.effect == effect) text += fmt::format("  {}: not testable, {}\n", each.location, each.why);
+  }
+  return text;
+}
+
+}  // namespace poecal

@@ -1,0 +1,162 @@
+#include "diagnosis/evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace poecal {
+namespace {
+
+double logMeanExp(const std::vector<double>& values) {
+  const double largest = *std::max_element(values.begin(), values.end());
+  double sum = 0.0;
+  for (const double value : values) sum += std::exp(value - largest);
+  return largest + std::log(sum / static_cast<double>(values.size()));
+}
+
+/// Evidence from the projected information S and score u of the columns' factors.
+Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Eigen::VectorXd& typical) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(typical.asDiagonal() * S * typical.asDiagonal());
+  const Eigen::VectorXd z = eigen.eigenvectors().transpose() * typical.cwiseProduct(u);
+  Evidence evidence;
+  std::vector<double> over_scales;
+  double best = -std::numeric_limits<double>::infinity();
+  for (const double scale : evidenceScales()) {
+    double value = 0.0;
+    for (Eigen::Index i = 0; i < z.size(); ++i) {
+      const double a = scale * scale * std::max(0.0, eigen.eigenvalues()(i));
+      value += 0.5 * (scale * scale * z(i) * z(i) / (1.0 + a) - std::log1p(a));
+    }
+    over_scales.push_back(value);
+    if (value > best) {
+      best = value;
+      evidence.scale = scale;
+    }
+  }
+  evidence.log_bayes = logMeanExp(over_scales);
+  const double cutoff = 1e-9 * std::max(1e-30, eigen.eigenvalues().maxCoeff());
+  for (Eigen::Index i = 0; i < z.size(); ++i) {
+    if (eigen.eigenvalues()(i) <= cutoff) continue;
+    evidence.chi_square += z(i) * z(i) / eigen.eigenvalues()(i);
+    ++evidence.dimension;
+  }
+  evidence.information = eigen.eigenvalues().cwiseMax(0.0).sum() / static_cast<double>(z.size());
+  return evidence;
+}
+
+/// The accepted ones' factors: wide about what was found, so that nothing is drawn to zero; what hangs on them as narrow as it was.
+ColumnPrior priorOf(const std::vector<Accepted>& accepted) {
+  constexpr double kWide = 10.0;
+  ColumnPrior prior = ColumnPrior::none(0);
+  for (const Accepted& one : accepted) {
+    Eigen::VectorXd sigma = one.scale * one.candidate.typical;
+    if (one.candidate.known()) sigma.head(static_cast<Eigen::Index>(one.candidate.linear.size())) *= kWide;
+    prior = prior.joinedWith(ColumnPrior::independent(sigma, one.factors));
+  }
+  return prior;
+}
+
+}  // namespace
+
+const std::vector<double>& evidenceScales() {
+  static const std::vector<double> scales{0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0};
+  return scales;
+}
+
+Linearised linearise(const MeasuredCell& measured, const ModelState& state, const std::vector<Accepted>& accepted,
+                     const std::vector<std::size_t>& scatter, const std::vector<std::vector<std::size_t>>& groups) {
+  Linearised linear{.state = state, .accepted = accepted, .rows = captureRows(measured, state, groups), .columns = {}, .column_prior = {},
+                    .components = {}, .noise = {}};
+  Eigen::Index width = 0;
+  for (const Accepted& one : accepted) width += one.candidate.typical.size();
+  linear.columns.resize(linear.rows.size(), width);
+  Eigen::Index begin = 0;
+  for (const Accepted& one : accepted) {
+    const Eigen::MatrixXd columns = columnsOf(one.candidate, linear.rows);
+    // The effect's own factors are in the state already.
+    const Eigen::Index own = one.candidate.known() ? static_cast<Eigen::Index>(one.candidate.linear.size()) : 0;
+    const Eigen::Index rest = columns.cols() - own;
+    linear.rows.r -= columns.rightCols(rest) * one.factors.tail(rest);
+    linear.columns.middleCols(begin, columns.cols()) = columns;
+    begin += columns.cols();
+  }
+  linear.column_prior = priorOf(accepted);
+  linear.components = noiseComponents(measured, linear.rows);
+  constexpr double kStartScatter = 1e-4;  // [rad]
+  for (const std::size_t k : scatter) linear.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
+  return linear;
+}
+
+void setNoise(const MeasuredCell& measured, const NoiseEstimate* from, Linearised& linear) {
+  linear.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, linear.columns, linear.column_prior, from);
+}
+
+std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candidate>& candidates) {
+  const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
+  Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + linear.columns.cols());
+  X << linear.rows.J, linear.columns;
+  const Eigen::MatrixXd white = whitening.apply(X);
+  const Eigen::VectorXd r = whitening.apply(linear.rows.r);
+  const Eigen::VectorXd residual = r - white * linear.noise.b;
+  // The covariance of the base columns' factors is the inverse of their information with the priors.
+  std::vector<Evidence> all;
+  all.reserve(candidates.size());
+  for (const Candidate& candidate : candidates) {
+    const Eigen::MatrixXd columns = whitening.apply(columnsOf(candidate, linear.rows));
+    const Eigen::MatrixXd cross = white.transpose() * columns;
+    const Eigen::MatrixXd S = columns.transpose() * columns - cross.transpose() * (linear.noise.covariance * cross);
+    all.push_back(evidenceOf(S, columns.transpose() * residual, candidate.typical));
+  }
+  return all;
+}
+
+ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, double start_scale) {
+  const Eigen::MatrixXd columns = columnsOf(candidate, linear.rows);
+  Eigen::MatrixXd extra(linear.rows.size(), linear.columns.cols() + columns.cols());
+  extra << linear.columns, columns;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(columns.cols());
+  const auto prior = [&](double scale) {
+    return linear.column_prior.joinedWith(ColumnPrior::independent(scale * candidate.typical, zero));
+  };
+  ExactEvidence exact;
+  exact.scale = start_scale;
+  exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(start_scale), &linear.noise);
+  Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + extra.cols());
+  X << linear.rows.J, extra;
+  const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
+  const double penalty = likelihoodAt(linear.rows, linear.components, exact.noise.theta, X, base.joinedWith(prior(start_scale))).log_likelihood -
+                         exact.noise.log_likelihood;
+  std::vector<double> over_scales;
+  double best = -std::numeric_limits<double>::infinity();
+  for (const double scale : evidenceScales()) {
+    NoiseEstimate here = likelihoodAt(linear.rows, linear.components, exact.noise.theta, X, base.joinedWith(prior(scale)));
+    over_scales.push_back(here.log_likelihood - penalty - linear.noise.log_likelihood);
+    if (here.log_likelihood > best) {
+      best = here.log_likelihood;
+      exact.scale = scale;
+      here.tolerance = exact.noise.tolerance;
+      here.theta = exact.noise.theta;
+      exact.noise.b = here.b;
+      exact.noise.covariance = here.covariance;
+    }
+  }
+  exact.log_bayes = logMeanExp(over_scales);
+  return exact;
+}
+
+ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& measured, std::size_t k) {
+  constexpr double kStartScatter = 1e-4;  // [rad]
+  Linearised with = linear;
+  with.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
+  ExactEvidence exact;
+  exact.noise = estimateNoise(measured, with.state, with.rows, with.components, with.columns, with.column_prior, &linear.noise);
+  // One variance more, known to about a factor of e after and of a hundred before: Occam's share of its maximum.
+  constexpr double kOccam = 2.0;
+  exact.log_bayes = exact.noise.log_likelihood - linear.noise.log_likelihood - kOccam;
+  exact.scale = std::sqrt(exact.noise.theta(exact.noise.theta.size() - 1));
+  return exact;
+}
+
+}  // namespace poecal

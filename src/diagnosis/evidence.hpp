@@ -1,0 +1,62 @@
+// How strongly the rows speak for an explanation: all of them from one linearisation, and the best few with the noise estimated anew.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/candidates.hpp"
+#include "diagnosis/noise.hpp"
+
+namespace poecal {
+
+/// An explanation that was taken up: its columns' factors, of which the effect's own stand in ModelState::effects too.
+struct Accepted {
+  Candidate candidate;
+  Eigen::VectorXd factors;  ///< one per column
+  double scale = 1.0;       ///< size in units of the typical
+  std::size_t effect = 0;   ///< index into ModelState::effects; curves have none
+};
+
+/// The capture linearised at a state, with what was taken up so far as columns beside those of the base model.
+struct Linearised {
+  ModelState state;
+  std::vector<Accepted> accepted;
+  CaptureRows rows;          ///< r without the linear parts of what was accepted
+  Eigen::MatrixXd columns;   ///< of what was accepted
+  ColumnPrior column_prior;
+  std::vector<NoiseComponent> components;
+  NoiseEstimate noise;       ///< with all of this
+};
+
+/// @param groups  the poses to use; empty: all. @param scatter  joints that move at random by themselves.
+Linearised linearise(const MeasuredCell& measured, const ModelState& state, const std::vector<Accepted>& accepted,
+                     const std::vector<std::size_t>& scatter, const std::vector<std::vector<std::size_t>>& groups);
+/// The noise of a linearisation, from an earlier estimate where there is one.
+void setNoise(const MeasuredCell& measured, const NoiseEstimate* from, Linearised& linear);
+
+/// What the rows say of one explanation.
+struct Evidence {
+  double log_bayes = 0.0;   ///< against none, averaged over sizes from a thirtieth to a hundred times the typical
+  double scale = 1.0;       ///< the size that fits best
+  double chi_square = 0.0;  ///< drop of chi-square at its best fit
+  int dimension = 0;        ///< columns that the rows can see
+  double information = 0.0; ///< mean over the columns of information on a factor in units of the typical
+};
+
+/// Sizes in units of the typical over which evidence is averaged.
+const std::vector<double>& evidenceScales();
+
+/// Evidence of all candidates from one linearisation, at its noise.
+std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candidate>& candidates);
+
+/// Evidence of one candidate with the noise estimated anew beside it.
+struct ExactEvidence {
+  double log_bayes = 0.0;
+  double scale = 1.0;
+  NoiseEstimate noise;  ///< its b ends with the candidate's factors
+};
+ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, double start_scale);
+
+/// Evidence of joint k (from 0) moving at random by itself: one variance more, averaged over its size.
+ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& measured, std::size_t k);
+
+}  // namespace poecal

@@ -1,0 +1,85 @@
+// The noise of a capture as variance components, and the marginal likelihood of a linear model in that noise.
+//
+//   r = X b + e,   b ~ N(-b0, Lambda^-1),   e ~ N(0, C),   C = sum_i theta_i V_i, block-diagonal over the poses
+//
+// The components are estimated by restricted maximum likelihood (average information), not assumed: a wrong noise level is where false
+// alarms come from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "diagnosis/capture_rows.hpp"
+
+namespace poecal {
+
+/// V_i = Z_i Z_i^T of one component, for each pose (group): rows of the pose x width. Columns are what one draw of it moves.
+struct NoiseComponent {
+  std::string name;  ///< "corner", "tag", "repeatability", "rotation", "position", "scatter joint:3"
+  double start = 0.0;  ///< variance to begin from
+  std::vector<Eigen::MatrixXd> Z;
+};
+
+/// The components of a capture: corners (px per axis, times the stated sigma), what a whole tag shares (px), and the joints' repeatability
+/// (rad; m for sliding joints a tenth of it), one for all joints; for poses rotation and position instead of the first two.
+std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const CaptureRows& rows);
+
+/// Joint k (from 0) moving at random from pose to pose, by itself. @param start  variance [rad^2].
+NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start);
+
+/// Prior of the columns X: b + offset ~ N(0, inverse of `precision`); zero rows of precision: nothing is known.
+struct ColumnPrior {
+  Eigen::VectorXd offset;
+  Eigen::MatrixXd precision;
+  double log_determinant = 0.0;  ///< of the part of the precision that is not zero
+
+  static ColumnPrior none(Eigen::Index columns);
+  /// Independent columns.
+  static ColumnPrior independent(const Eigen::VectorXd& sigma, const Eigen::VectorXd& offset);
+  ColumnPrior joinedWith(const ColumnPrior& other) const;
+};
+
+/// The base model's prior: twists by the tolerances widened by `tolerance`, stated intrinsics.
+ColumnPrior basePrior(const MeasuredCell& measured, const ModelState& state, double tolerance);
+
+/// Cholesky factors of C, one per pose.
+class Whitening {
+ public:
+  Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta);
+  /// L^-1 M, rows of all poses.
+  Eigen::MatrixXd apply(const Eigen::MatrixXd& M) const;
+  /// L^-1 M and L^-T M for the rows of pose g.
+  Eigen::MatrixXd applyTo(std::size_t g, const Eigen::MatrixXd& M) const;
+  Eigen::MatrixXd applyTransposedTo(std::size_t g, const Eigen::MatrixXd& M) const;
+  double logDeterminant() const { return log_determinant_; }
+  std::size_t poses() const { return L_.size(); }
+  int begin(std::size_t g) const { return begin_[g]; }
+  int size(std::size_t g) const { return static_cast<int>(L_[g].rows()); }
+
+ private:
+  std::vector<int> begin_;
+  std::vector<Eigen::MatrixXd> L_;
+  double log_determinant_ = 0.0;
+};
+
+/// Where an estimate of the noise stands.
+struct NoiseEstimate {
+  Eigen::VectorXd theta;    ///< variances of the components
+  double tolerance = 1.0;   ///< factor by which the arm exceeds its tolerances, >= 1
+  double log_likelihood = 0.0;
+  Eigen::VectorXd b;        ///< of the columns
+  Eigen::MatrixXd covariance;
+};
+
+/// Marginal log-likelihood at given variances, up to what all models of the same rows share.
+NoiseEstimate likelihoodAt(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta,
+                           const Eigen::MatrixXd& X, const ColumnPrior& prior);
+
+/// Maximises it over the variances. @param base_prior  of the first columns of X, re-made for each tolerance; `extra` of the others.
+NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& state, const CaptureRows& rows,
+                            const std::vector<NoiseComponent>& components, const Eigen::MatrixXd& extra, const ColumnPrior& extra_prior,
+                            const NoiseEstimate* from);
+
+}  // namespace poecal
