@@ -349,6 +349,8 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
   }
   const Selection selection = selectEffects(measured, identifiedState(identification, measured), other_columns);
   Diagnosis diagnosis;
+  diagnosis.log_odds = selection.base_log_odds;
+  diagnosis.answers = static_cast<int>(selection.candidates.size());
   diagnosis.pixels = measured.start.camera.has_value();
   const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
   std::size_t next = 0;

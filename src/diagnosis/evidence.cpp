@@ -9,6 +9,9 @@
 namespace poecal {
 namespace {
 
+// Answers are told apart by whole units of log-likelihood.
+constexpr double kPrecision = 0.02;
+
 double logMeanExp(const std::vector<double>& values) {
   const double largest = *std::max_element(values.begin(), values.end());
   double sum = 0.0;
@@ -122,7 +125,7 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
   };
   ExactEvidence exact;
   exact.scale = start_scale;
-  exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(start_scale), &linear.noise);
+  exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(start_scale), &linear.noise, kPrecision);
   Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + extra.cols());
   X << linear.rows.J, extra;
   const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
@@ -151,7 +154,7 @@ ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& meas
   Linearised with = linear;
   with.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
   ExactEvidence exact;
-  exact.noise = estimateNoise(measured, with.state, with.rows, with.components, with.columns, with.column_prior, &linear.noise);
+  exact.noise = estimateNoise(measured, with.state, with.rows, with.components, with.columns, with.column_prior, &linear.noise, kPrecision);
   // One variance more, known to about a factor of e after and of a hundred before: Occam's share of its maximum.
   constexpr double kOccam = 2.0;
   exact.log_bayes = exact.noise.log_likelihood - linear.noise.log_likelihood - kOccam;

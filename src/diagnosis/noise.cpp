@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
@@ -118,7 +119,7 @@ class ScaledInverse {
   double log_determinant_ = 0.0;
 };
 
-NoiseEstimate evaluate(const Whitening& whitening, const Normal& normal, const Eigen::VectorXd& theta, const ColumnPrior& prior,
+NoiseEstimate evaluated(const Whitening& whitening, const Normal& normal, const Eigen::VectorXd& theta, const ColumnPrior& prior,
                        const ScaledInverse& inverse) {
   NoiseEstimate estimate;
   estimate.theta = theta;
@@ -184,6 +185,21 @@ double updatedTolerance(const MeasuredCell& measured, const ModelState& state, c
 
 /// An arm beyond its tolerances is believed less and less: a factor e costs two units of log-likelihood.
 double tolerancePenalty(double tolerance) { return 2.0 * std::pow(std::log(tolerance), 2); }
+
+/// All that is known at one set of variances.
+struct NoisePoint {
+  NoisePoint(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta, const Eigen::MatrixXd& X,
+             const ColumnPrior& prior, double tolerance)
+      : whitening(rows, components, theta), normal(normalOf(whitening, rows, X, prior)), inverse(normal.A) {
+    estimate = evaluated(whitening, normal, theta, prior, inverse);
+    estimate.tolerance = tolerance;
+    estimate.log_likelihood -= tolerancePenalty(tolerance);
+  }
+  Whitening whitening;
+  Normal normal;
+  ScaledInverse inverse;
+  NoiseEstimate estimate;
+};
 
 }  // namespace
 
@@ -295,14 +311,14 @@ NoiseEstimate likelihoodAt(const CaptureRows& rows, const std::vector<NoiseCompo
   const Whitening whitening(rows, components, theta);
   const Normal normal = normalOf(whitening, rows, X, prior);
   const ScaledInverse inverse(normal.A);
-  NoiseEstimate estimate = evaluate(whitening, normal, theta, prior, inverse);
+  NoiseEstimate estimate = evaluated(whitening, normal, theta, prior, inverse);
   estimate.covariance = inverse.solve(Eigen::MatrixXd::Identity(X.cols(), X.cols()));
   return estimate;
 }
 
 NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& state, const CaptureRows& rows,
                             const std::vector<NoiseComponent>& components, const Eigen::MatrixXd& extra, const ColumnPrior& extra_prior,
-                            const NoiseEstimate* from) {
+                            const NoiseEstimate* from, double precision) {
   Eigen::MatrixXd X(rows.J.rows(), rows.J.cols() + extra.cols());
   X << rows.J, extra;
   const auto count = static_cast<Eigen::Index>(components.size());
@@ -316,43 +332,34 @@ NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& stat
   }
   const Eigen::VectorXd floor = Eigen::VectorXd::NullaryExpr(
       count, [&components](Eigen::Index i) { return 1e-6 * components[static_cast<std::size_t>(i)].start; });
-  Eigen::VectorXd theta = start.cwiseMax(floor);
+  // One that an earlier estimate found to be nothing begins small, not at nothing, from where its logarithm would not come back.
+  constexpr double kSmallStart = 0.05;
+  Eigen::VectorXd theta = start.cwiseMax(1e6 * kSmallStart * floor);
   double damping = 1e-3;
-  NoiseEstimate best;
-  bool has_best = false;
+  std::unique_ptr<const NoisePoint> best;
   constexpr int kMaxSteps = 40;
   for (int step = 0; step < kMaxSteps; ++step) {
-    const ColumnPrior prior = basePrior(measured, state, tolerance).joinedWith(extra_prior);
-    const Whitening whitening(rows, components, theta);
-    const Normal normal = normalOf(whitening, rows, X, prior);
-    const ScaledInverse inverse(normal.A);
-    NoiseEstimate here = evaluate(whitening, normal, theta, prior, inverse);
-    here.tolerance = tolerance;
-    here.log_likelihood -= tolerancePenalty(tolerance);
-    const double gain = has_best ? here.log_likelihood - best.log_likelihood : 1.0;
-    if (has_best && gain < -1e-9) {
+    auto here = std::make_unique<const NoisePoint>(rows, components, theta, X, basePrior(measured, state, tolerance).joinedWith(extra_prior), tolerance);
+    const double gain = best ? here->estimate.log_likelihood - best->estimate.log_likelihood : 1.0;
+    if (best && gain < -1e-9) {
       damping *= 10.0;
       if (damping > 1e6) break;
     } else {
+      const bool settled = best && gain < precision;
       best = std::move(here);
-      best.covariance = inverse.solve(Eigen::MatrixXd::Identity(X.cols(), X.cols()));
-      if (has_best && gain < 1e-3) break;
-      has_best = true;
+      if (settled) break;
       damping = std::max(1e-6, 0.1 * damping);
     }
-    // From the best so far, with the damping of now.
-    const ColumnPrior best_prior = basePrior(measured, state, best.tolerance).joinedWith(extra_prior);
-    const Whitening at_best(rows, components, best.theta);
-    const Normal best_normal = normalOf(at_best, rows, X, best_prior);
-    const ScaledInverse best_inverse(best_normal.A);
-    Slope slope = slopeOf(at_best, best_normal, best.b, components, best.theta, best_inverse);
+    Slope slope = slopeOf(best->whitening, best->normal, best->estimate.b, components, best->estimate.theta, best->inverse);
     slope.information.diagonal().array() += damping * (slope.information.diagonal().array() + 1.0);
     Eigen::VectorXd move = slope.information.ldlt().solve(slope.gradient);
     move = move.cwiseMax(-3.0).cwiseMin(3.0);
-    theta = (best.theta.array() * move.array().exp()).matrix().cwiseMax(floor);
-    tolerance = updatedTolerance(measured, state, best.b, best_inverse, best.tolerance, X.cols());
+    theta = (best->estimate.theta.array() * move.array().exp()).matrix().cwiseMax(floor);
+    tolerance = updatedTolerance(measured, state, best->estimate.b, best->inverse, best->estimate.tolerance, X.cols());
   }
-  return best;
+  NoiseEstimate estimate = best->estimate;
+  estimate.covariance = best->inverse.solve(Eigen::MatrixXd::Identity(X.cols(), X.cols()));
+  return estimate;
 }
 
 }  // namespace poecal

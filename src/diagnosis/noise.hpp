@@ -77,9 +77,10 @@ struct NoiseEstimate {
 NoiseEstimate likelihoodAt(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta,
                            const Eigen::MatrixXd& X, const ColumnPrior& prior);
 
-/// Maximises it over the variances. @param base_prior  of the first columns of X, re-made for each tolerance; `extra` of the others.
+/// Maximises it over the variances and the arm's tolerance. @param extra, extra_prior  columns beside those of the base model.
+/// @param from  where to begin, or nullptr. @param precision  gain of log-likelihood below which no further step is worth it.
 NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& state, const CaptureRows& rows,
                             const std::vector<NoiseComponent>& components, const Eigen::MatrixXd& extra, const ColumnPrior& extra_prior,
-                            const NoiseEstimate* from);
+                            const NoiseEstimate* from, double precision = 1e-3);
 
 }  // namespace poecal

@@ -45,10 +45,11 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
   }
   constexpr int kMaxSteps = 8;
   constexpr double kSettled = 0.01;  // standard deviations
+  constexpr int kNoiseSteps = 2;  // the second sees residuals that no longer change
   NoiseEstimate at = noise;
   for (int step = 0;; ++step) {
     Linearised linear = linearise(measured, state, accepted, scatter, groups);
-    if (new_noise) {
+    if (new_noise && step < kNoiseSteps) {
       setNoise(measured, &at, linear);
     } else {
       linear.noise = solveAt(measured, linear, at);

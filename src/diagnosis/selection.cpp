@@ -161,7 +161,10 @@ class Selector {
     selection_.base_linear = linear_;
     for (;;) {
       const Ranking ranking = ranker().rank(linear_, taken());
-      if (selection_.findings.empty()) selection_.base_evidence = ranking.screened;
+      if (selection_.findings.empty()) {
+        selection_.base_evidence = ranking.screened;
+        selection_.base_log_odds = ranking.log_total;
+      }
       if (selection_.findings.size() < kMostFindings && accept(ranking)) {
         settle();
         continue;

@@ -102,6 +102,8 @@ struct Diagnosis {
   double rotation_sigma = 0.0;     ///< poses [rad]
   std::string noise_source;        ///< "repeats", "estimated"
   double noise_rms = 0.0;          ///< of a corner's length [px], or a position's [m], all of the noise together
+  double log_odds = 0.0;              ///< of all explanations together against none, before anything was taken up
+  int answers = 0;                    ///< explanations that were weighed
   double arm_beyond_tolerance = 1.0;  ///< factor by which the arm exceeds the tolerances
   std::vector<GapStage> stages;
   double before_excess = 0.0, after_excess = 0.0;
