@@ -8,6 +8,7 @@
 #include "detection/corner_finder.hpp"
 #include "detection/grid_corners.hpp"
 #include "detection/tag_detector.hpp"
+#include "detection/tag_refiner.hpp"
 
 namespace poecal {
 namespace {
@@ -19,6 +20,8 @@ class AprilTagFinder : public CornerFinder {
         quad_decimate_(options.quad_decimate),
         others_(options.other_tags.begin(), options.other_tags.end()),
         detector_(target.family) {
+    // Kalibr's grid has black squares where four tags meet.
+    if (options.refine) refiner_.emplace(target.family, target.type != TargetType::kAprilGrid, options.camera);
     for (const TargetTag& tag : target.tags) wanted_.insert(tag.id);
     if (target.type == TargetType::kAprilGrid) grid_ = target;
   }
@@ -31,7 +34,7 @@ class AprilTagFinder : public CornerFinder {
       addUnseen(more, tags);
       tags = std::move(more);
     }
-    Finding finding = choose(tags);
+    Finding finding = choose(grey, tags);
     if (grid_) settleGridCorners(*grid_, grey, finding.corners);
     return finding;
   }
@@ -43,7 +46,7 @@ class AprilTagFinder : public CornerFinder {
     return missing.empty();
   }
 
-  Finding choose(const std::vector<TagDetection>& tags) const {
+  Finding choose(const cv::Mat& grey, const std::vector<TagDetection>& tags) {
     std::map<int, std::vector<const TagDetection*>> by_id;
     for (const TagDetection& tag : tags) by_id[tag.id].push_back(&tag);
     Finding finding;
@@ -57,7 +60,8 @@ class AprilTagFinder : public CornerFinder {
       } else if (seen.size() > 1) {
         finding.notes.push_back(fmt::format("tag {} is seen {} times and left out", id, seen.size()));
       } else {
-        for (int corner = 0; corner < 4; ++corner) finding.corners.push_back({{id, corner}, seen.front()->px.col(corner)});
+        const RefinedTag tag = refiner_ ? refiner_->refine(grey, *seen.front()) : unrefined(*seen.front());
+        for (int corner = 0; corner < 4; ++corner) finding.corners.push_back({{id, corner}, tag.px.col(corner), tag.sigma(corner)});
       }
     }
     if (finding.corners.empty() && finding.notes.empty()) finding.notes.push_back(fmt::format("no tag of family {} was found", family_));
@@ -70,6 +74,7 @@ class AprilTagFinder : public CornerFinder {
   std::set<int> wanted_;
   std::optional<Target> grid_;
   TagDetector detector_;
+  std::optional<TagRefiner> refiner_;
 };
 
 }  // namespace

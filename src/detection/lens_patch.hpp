@@ -1,0 +1,41 @@
+// The lens over one small part of a picture, where straight lines of a plane are made straight again.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "poecal/camera/camera.hpp"
+
+namespace poecal {
+
+/// px_straight = px + d(px), d a polynomial of third degree: the pixel that a pinhole camera with the same matrix would have given.
+class LensPatch {
+ public:
+  /// No lens: px_straight = px.
+  LensPatch() = default;
+  /// Fits d to the camera's own inverse over the box from `low` to `high` [px].
+  /// @return nothing where some ray of the box is 80 degrees from the axis or more, or does not exist.
+  static std::optional<LensPatch> of(const Camera& camera, const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+
+  struct Straight {
+    Eigen::Vector2d px = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d J_straight_px = Eigen::Matrix2d::Identity();
+  };
+  Straight straighten(const Eigen::Vector2d& px) const;
+  /// The pixel whose straight one is `px_straight`.
+  Eigen::Vector2d bend(const Eigen::Vector2d& px_straight) const;
+
+ private:
+  static constexpr int kTerms = 10;
+  using Terms = Eigen::Matrix<double, kTerms, 1>;
+
+  Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();
+  double scale_ = 1.0;  ///< [px]
+  bool is_bent_ = false;
+  Eigen::Matrix<double, 2, kTerms> coefficients_ = Eigen::Matrix<double, 2, kTerms>::Zero();
+
+  static Terms terms(const Eigen::Vector2d& x);
+};
+
+}  // namespace poecal

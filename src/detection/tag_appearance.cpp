@@ -1,0 +1,143 @@
+#include "detection/tag_appearance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace poecal {
+namespace {
+
+constexpr double kReach = 4.0;        // [blurs]; beyond it a step is complete to 3e-5
+constexpr std::size_t kMaxLines = 9;  // within reach either way, for cells of no less than one blur
+
+/// A blurred step at its distance from the pixel.
+struct Step {
+  double a = 0.0;    ///< [blurs]
+  double cdf = 0.0;  ///< Phi(a)
+  double pdf = 0.0;  ///< phi(a)
+};
+
+/// The lines of one direction within reach. Each stands at two places, where growth moves it back and where it moves it on.
+struct Lines {
+  int first = 0;
+  std::size_t count = 0;
+  std::array<std::array<Step, 2>, kMaxLines> steps;
+
+  const Step& at(std::size_t k, int shift) const { return steps[k][shift > 0 ? 1 : 0]; }
+};
+
+Step stepAt(double distance) {
+  constexpr double kInverseRootTwoPi = 0.3989422804014327;
+  return {distance, 0.5 * std::erfc(-distance / std::numbers::sqrt2), kInverseRootTwoPi * std::exp(-0.5 * distance * distance)};
+}
+
+Lines linesWithinReach(double coordinate, double slope, double blur, double growth) {
+  const double reach = kReach * blur * slope;
+  Lines lines;
+  lines.first = static_cast<int>(std::ceil(coordinate - reach));
+  const int last = static_cast<int>(std::floor(coordinate + reach));
+  lines.count = std::min(kMaxLines, static_cast<std::size_t>(std::max(0, last - lines.first + 1)));
+  for (std::size_t k = 0; k < lines.count; ++k) {
+    const double distance = (coordinate - lines.first - static_cast<double>(k)) / slope;
+    lines.steps[k] = {stepAt((distance + growth) / blur), stepAt((distance - growth) / blur)};
+  }
+  return lines;
+}
+
+/// The sum so far, its derivatives by the normalised distances a and b.
+class Sum {
+ public:
+  Sum(double start, double blur) : blur_(blur) { whiteness_.value = start; }
+
+  void addAlongU(int weight, const Step& step) {
+    whiteness_.value += weight * step.cdf;
+    derive(weight * step.pdf, step.a, weight, 0.0, 0.0, 0);
+  }
+  void addAlongV(int weight, const Step& step) {
+    whiteness_.value += weight * step.cdf;
+    derive(0.0, 0.0, 0, weight * step.pdf, step.a, weight);
+  }
+  void addTurn(const Turn& turn, const Step& u, const Step& v, double rho) {
+    // Mehler's series with Hermite polynomials: d/da [He_n(a) phi(a)] = -He_(n+1)(a) phi(a).
+    const double a2 = u.a * u.a, b2 = v.a * v.a;
+    const std::array<double, 5> A{1.0, u.a, a2 - 1.0, u.a * (a2 - 3.0), a2 * (a2 - 6.0) + 3.0};
+    const std::array<double, 5> B{1.0, v.a, b2 - 1.0, v.a * (b2 - 3.0), b2 * (b2 - 6.0) + 3.0};
+    double value = 0.0, by_a = 0.0, by_b = 0.0, factor = u.pdf * v.pdf;
+    for (std::size_t n = 0; n < 4; ++n) {
+      factor *= rho / static_cast<double>(n + 1);
+      value += factor * A[n] * B[n];
+      by_a -= factor * A[n + 1] * B[n];
+      by_b -= factor * A[n] * B[n + 1];
+    }
+    whiteness_.value += turn.weight * (u.cdf * v.cdf + value);
+    derive(turn.weight * (u.pdf * v.cdf + by_a), u.a, turn.shift_u, turn.weight * (u.cdf * v.pdf + by_b), v.a, turn.shift_v);
+  }
+
+  Whiteness finish(const Eigen::Vector2d& slope) {
+    whiteness_.J_value_uv(0) /= slope.x();
+    whiteness_.J_value_uv(1) /= slope.y();
+    return whiteness_;
+  }
+
+ private:
+  void derive(double by_a, double a, int shift_u, double by_b, double b, int shift_v) {
+    whiteness_.J_value_uv(0) += by_a / blur_;
+    whiteness_.J_value_uv(1) += by_b / blur_;
+    whiteness_.J_value_blur -= (by_a * a + by_b * b) / blur_;
+    whiteness_.J_value_growth -= (by_a * shift_u + by_b * shift_v) / blur_;
+  }
+
+  double blur_;
+  Whiteness whiteness_;
+};
+
+}  // namespace
+
+TagView::TagView(const Eigen::Vector2d& coordinates, const Eigen::Matrix2d& J_uv_px)
+    : uv(coordinates), slope(J_uv_px.rowwise().norm()), cosine(J_uv_px.row(0).dot(J_uv_px.row(1)) / slope.prod()) {}
+
+Whiteness whiteness(const TagPattern& pattern, const TagView& view, double blur, double growth) {
+  const Lines across_u = linesWithinReach(view.uv.x(), view.slope.x(), blur, growth);
+  const Lines across_v = linesWithinReach(view.uv.y(), view.slope.y(), blur, growth);
+  const int column = across_u.first, row = across_v.first;
+  Sum sum(pattern.white(column - 1, row - 1), blur);
+  for (std::size_t i = 0; i < across_u.count; ++i) {
+    const int k = column + static_cast<int>(i);
+    const int step = pattern.white(k, row - 1) - pattern.white(k - 1, row - 1);
+    if (step != 0) sum.addAlongU(step, across_u.at(i, step));
+  }
+  for (std::size_t j = 0; j < across_v.count; ++j) {
+    const int k = row + static_cast<int>(j);
+    const int step = pattern.white(column - 1, k) - pattern.white(column - 1, k - 1);
+    if (step != 0) sum.addAlongV(step, across_v.at(j, step));
+  }
+  for (std::size_t j = 0; j < across_v.count; ++j) {
+    for (std::size_t i = 0; i < across_u.count; ++i) {
+      for (const Turn& turn : pattern.turns(column + static_cast<int>(i), row + static_cast<int>(j))) {
+        if (turn.weight != 0) sum.addTurn(turn, across_u.at(i, turn.shift_u), across_v.at(j, turn.shift_v), view.cosine);
+      }
+    }
+  }
+  return sum.finish(view.slope);
+}
+
+Surroundings surroundings(const TagPattern& pattern, const TagView& view, double edge_reach, double unknown_reach) {
+  const auto cellAt = [](double coordinate) { return static_cast<int>(std::floor(coordinate)); };
+  const Eigen::Vector2d far = unknown_reach * view.slope;
+  for (const double v : {view.uv.y() - far.y(), view.uv.y() + far.y()}) {
+    for (const double u : {view.uv.x() - far.x(), view.uv.x() + far.x()}) {
+      if (!pattern.isKnown(cellAt(u), cellAt(v))) return Surroundings::kUnknown;
+    }
+  }
+  const Eigen::Vector2d near = edge_reach * view.slope;
+  const int here = pattern.white(cellAt(view.uv.x()), cellAt(view.uv.y()));
+  for (int row = cellAt(view.uv.y() - near.y()); row <= cellAt(view.uv.y() + near.y()); ++row) {
+    for (int column = cellAt(view.uv.x() - near.x()); column <= cellAt(view.uv.x() + near.x()); ++column) {
+      if (pattern.white(column, row) != here) return Surroundings::kEdges;
+    }
+  }
+  return Surroundings::kFlat;
+}
+
+}  // namespace poecal

@@ -1,0 +1,278 @@
+#include "detection/tag_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "detection/tag_appearance.hpp"
+
+namespace poecal {
+namespace {
+
+// Parameters: homography or corners 0..7, blur, growth, black and its slopes, contrast and its slopes.
+constexpr int kBlur = 8, kGrowth = 9, kBlack = 10, kContrast = 13, kParameters = 16;
+using Row = Eigen::Matrix<double, kParameters, 1>;
+using Normal = Eigen::Matrix<double, kParameters + 1, kParameters + 1>;  ///< of the parameters and, last, the residual
+using Light = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kEdgeReach = 2.5;      // [blurs]; what an edge tells falls as exp(-d^2), to 0.2 % here
+constexpr double kUnknownReach = 3.0;   // [blurs]; 0.1 % of what lies beyond is mixed in
+constexpr double kInliers = 3.0;        // [noises]
+constexpr double kSmallestNoise = 0.3;  // [grey levels]; that of rounding to whole ones
+
+/// The homography from the pattern to straight pixels, g = (g11 g12 g13 g21 g22 g23 g31 g32), g33 = 1.
+class PlaneMap {
+ public:
+  PlaneMap(const TagCorners& uv, const TagCorners& px) {
+    Eigen::Matrix<double, 8, 8> A = Eigen::Matrix<double, 8, 8>::Zero();
+    for (int k = 0; k < 4; ++k) {
+      const double u = uv(0, k), v = uv(1, k);
+      A.row(2 * k) << u, v, 1, 0, 0, 0, -px(0, k) * u, -px(0, k) * v;
+      A.row(2 * k + 1) << 0, 0, 0, u, v, 1, -px(1, k) * u, -px(1, k) * v;
+    }
+    const Eigen::PartialPivLU<Eigen::Matrix<double, 8, 8>> lu(A);
+    const Eigen::Matrix<double, 8, 1> g = lu.solve(px.reshaped());
+    px_from_uv_ << g(0), g(1), g(2), g(3), g(4), g(5), g(6), g(7), 1.0;
+    uv_from_px_ = px_from_uv_.inverse();
+    Eigen::Matrix<double, 8, 1> depths;
+    for (int k = 0; k < 4; ++k) depths.segment<2>(2 * k).setConstant(1.0 + g(6) * uv(0, k) + g(7) * uv(1, k));
+    J_g_px_ = lu.solve(Eigen::Matrix<double, 8, 8>(depths.asDiagonal()));
+  }
+
+  struct Place {
+    Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d J_uv_px = Eigen::Matrix2d::Zero();
+  };
+  Place at(const Eigen::Vector2d& px) const {
+    const Eigen::Vector3d h = uv_from_px_ * px.homogeneous();
+    Place place;
+    place.uv = h.head<2>() / h.z();
+    place.J_uv_px = (uv_from_px_.topLeftCorner<2, 2>() - place.uv * uv_from_px_.row(2).head<2>()) / h.z();
+    return place;
+  }
+  Eigen::Vector2d pixelOf(const Eigen::Vector2d& uv) const { return (px_from_uv_ * uv.homogeneous()).hnormalized(); }
+  /// gradient^T d px / d g at a point of the pattern.
+  Eigen::Matrix<double, 8, 1> alongParameters(const Eigen::Vector2d& uv, const Eigen::Vector2d& px, const Eigen::Vector2d& gradient) const {
+    const double depth = px_from_uv_.row(2) * uv.homogeneous();
+    const double x = gradient.x() / depth, y = gradient.y() / depth;
+    const double both = -x * px.x() - y * px.y();
+    Eigen::Matrix<double, 8, 1> along;
+    along << x * uv.x(), x * uv.y(), x, y * uv.x(), y * uv.y(), y, both * uv.x(), both * uv.y();
+    return along;
+  }
+  const Eigen::Matrix<double, 8, 8>& parametersByCorners() const { return J_g_px_; }
+
+ private:
+  Eigen::Matrix3d px_from_uv_, uv_from_px_;
+  Eigen::Matrix<double, 8, 8> J_g_px_;
+};
+
+struct Sight {
+  LensPatch::Straight straight;
+  Eigen::Vector2d unit;  ///< position in the box of the tag, -1 to 1, for shading
+  double grey = 0.0;
+};
+
+struct State {
+  TagCorners straight;  ///< corners behind the lens
+  double blur = 0.0;
+  double growth = 0.0;
+  Light light = Light::Zero();
+};
+
+class Fit {
+ public:
+  Fit(const cv::Mat& grey, const TagPattern& pattern, const TagCorners& start, const LensPatch& lens)
+      : grey_(grey), pattern_(pattern), lens_(lens) {
+    constexpr double kUsualBlur = 0.9;
+    state_.blur = kUsualBlur;
+    for (int k = 0; k < 4; ++k) state_.straight.col(k) = lens.straighten(start.col(k)).px;
+  }
+
+  bool run() {
+    constexpr int kRoughSteps = 3, kMostSteps = 12;
+    constexpr double kSettled = 2e-3;  // [px]; the next step would be a hundredth of this one
+    // Most of the way at a quarter of the price.
+    if (!choosePixels(2)) return false;
+    startLight();
+    for (int k = 0; k < kRoughSteps; ++k) {
+      if (!step()) return false;
+    }
+    if (!choosePixels(1)) return false;
+    for (int k = 0; k < kMostSteps; ++k) {
+      if (!step()) return false;
+      if (last_move_ < kSettled) return true;
+    }
+    return false;
+  }
+
+  TagFit result() const {
+    TagFit fit;
+    Eigen::Matrix<double, 8, 8> J_px_straight = Eigen::Matrix<double, 8, 8>::Zero();
+    for (int k = 0; k < 4; ++k) {
+      fit.px.col(k) = lens_.bend(state_.straight.col(k));
+      J_px_straight.block<2, 2>(2 * k, 2 * k) = lens_.straighten(fit.px.col(k)).J_straight_px.inverse();
+    }
+    const Eigen::Matrix<double, kParameters, kParameters> inverse =
+        normal_.topLeftCorner<kParameters, kParameters>().ldlt().solve(Eigen::Matrix<double, kParameters, kParameters>::Identity());
+    const double variance = normal_(kParameters, kParameters) / (weights_ - kParameters);
+    fit.covariance = variance * J_px_straight * inverse.topLeftCorner<8, 8>() * J_px_straight.transpose();
+    fit.blur = state_.blur;
+    fit.growth = state_.growth;
+    fit.contrast = state_.light(3);
+    fit.noise = noise_;
+    fit.outliers = outliers_;
+    fit.pixels = static_cast<int>(pixels_.size());
+    return fit;
+  }
+
+ private:
+  /// Those about the edges, given the corners and the blur so far; of every `stride`th row and column. @return whether there are enough.
+  bool choosePixels(int stride) {
+    constexpr std::size_t kFewest = 4 * kParameters;
+    constexpr std::size_t kMost = 12000;  // beyond it noise is no longer what limits the corners
+    const PlaneMap map(pattern_.corners(), state_.straight);
+    Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    const double width = pattern_.width();
+    for (const Eigen::Vector2d& uv :
+         {Eigen::Vector2d(0, 0), Eigen::Vector2d(width, 0), Eigen::Vector2d(0, width), Eigen::Vector2d(width, width)}) {
+      const Eigen::Vector2d px = lens_.bend(map.pixelOf(uv));
+      low = low.cwiseMin(px);
+      high = high.cwiseMax(px);
+    }
+    pixels_.clear();
+    const int left = std::max(0, static_cast<int>(std::floor(low.x()))),
+              right = std::min(grey_.cols - 1, static_cast<int>(std::ceil(high.x())));
+    const int top = std::max(0, static_cast<int>(std::floor(low.y()))),
+              bottom = std::min(grey_.rows - 1, static_cast<int>(std::ceil(high.y())));
+    const Eigen::Vector2d centre = 0.5 * (low + high), half = 0.5 * (high - low);
+    for (int y = top; y <= bottom; y += stride) {
+      const std::uint8_t* row = grey_.ptr<std::uint8_t>(y);
+      for (int x = left; x <= right; x += stride) {
+        const Eigen::Vector2d px(x, y);
+        const LensPatch::Straight straight = lens_.straighten(px);
+        const PlaneMap::Place place = map.at(straight.px);
+        if ((place.uv.array() < 0.0).any() || (place.uv.array() > width).any()) continue;
+        const TagView view(place.uv, place.J_uv_px * straight.J_straight_px);
+        if (surroundings(pattern_, view, kEdgeReach * state_.blur, kUnknownReach * state_.blur) != Surroundings::kEdges) continue;
+        pixels_.push_back({straight, (px - centre).cwiseQuotient(half), static_cast<double>(row[x])});
+      }
+    }
+    thinOut(kMost);
+    return pixels_.size() >= kFewest;
+  }
+
+  void thinOut(std::size_t most) {
+    const std::size_t stride = (pixels_.size() + most - 1) / most;
+    if (stride <= 1) return;
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < pixels_.size(); k += stride) pixels_[kept++] = pixels_[k];
+    pixels_.resize(kept);
+  }
+
+  /// Light enters linearly, so one solution for it alone is where it starts.
+  void startLight() {
+    accumulate();
+    const Eigen::Matrix<double, 6, 6> A = normal_.block<6, 6>(kBlack, kBlack);
+    state_.light = A.ldlt().solve(normal_.block<6, 1>(kBlack, kParameters));
+    noise_ = std::numeric_limits<double>::infinity();  // the residuals so far were those of no light at all
+  }
+
+  bool step() {
+    constexpr double kSmallestBlur = 0.3;  // [px]; the pixel's own square
+    accumulate();
+    const Row step = normal_.topLeftCorner<kParameters, kParameters>().ldlt().solve(normal_.block<kParameters, 1>(0, kParameters));
+    if (!step.allFinite()) return false;
+    // A blur far off would make the linearisation leap: a third either way at most.
+    const double change = std::clamp(step(kBlur), -state_.blur / 3.0, state_.blur / 3.0);
+    state_.straight += step.head<8>().reshaped(2, 4);
+    state_.blur = std::max(kSmallestBlur, state_.blur + change);
+    state_.growth = std::clamp(state_.growth + step(kGrowth), -state_.blur, state_.blur);
+    state_.light += step.tail<6>();
+    last_move_ = std::max(step.head<8>().cwiseAbs().maxCoeff(), std::abs(step(kBlur)));
+    return last_move_ < 5.0;
+  }
+
+  /// The normal equations at the state, for the corners; weights by the residuals' scale of the last time.
+  void accumulate() {
+    constexpr int kBlock = 64;
+    const PlaneMap map(pattern_.corners(), state_.straight);
+    Eigen::Matrix<double, kParameters + 1, kBlock> block;
+    normal_.setZero();
+    residuals_.clear();
+    weights_ = 0.0;
+    int filled = 0;
+    for (const Sight& sight : pixels_) {
+      const double residual = fillRow(sight, map, block.col(filled));
+      residuals_.push_back(std::abs(residual));
+      const double limit = kInliers * noise_;
+      const double root_weight = std::abs(residual) > limit ? limit / std::abs(residual) : 1.0;
+      block.col(filled) *= root_weight;
+      weights_ += root_weight * root_weight;
+      if (++filled == kBlock) {
+        normal_.noalias() += block * block.transpose();
+        filled = 0;
+      }
+    }
+    normal_.noalias() += block.leftCols(filled) * block.leftCols(filled).transpose();
+    Normal by_corners = Normal::Identity();
+    by_corners.topLeftCorner<8, 8>() = map.parametersByCorners();
+    normal_ = by_corners.transpose() * normal_ * by_corners;
+    measureResiduals();
+  }
+
+  template <typename Column>
+  double fillRow(const Sight& sight, const PlaneMap& map, Column&& column) const {
+    const PlaneMap::Place place = map.at(sight.straight.px);
+    const Whiteness white =
+        whiteness(pattern_, TagView(place.uv, place.J_uv_px * sight.straight.J_straight_px), state_.blur, state_.growth);
+    const Eigen::Vector3d shading(1.0, sight.unit.x(), sight.unit.y());
+    const double black = shading.dot(state_.light.head<3>()), contrast = shading.dot(state_.light.tail<3>());
+    // Where the print moves by d px, the pixel sees what lay at -d before.
+    const Eigen::Vector2d gradient = -contrast * (white.J_value_uv * place.J_uv_px).transpose();
+    column.template head<8>() = map.alongParameters(place.uv, sight.straight.px, gradient);
+    column(kBlur) = contrast * white.J_value_blur;
+    column(kGrowth) = contrast * white.J_value_growth;
+    column.template segment<3>(kBlack) = shading;
+    column.template segment<3>(kContrast) = white.value * shading;
+    const double residual = sight.grey - black - contrast * white.value;
+    column(kParameters) = residual;
+    return residual;
+  }
+
+  void measureResiduals() {
+    const auto middle = residuals_.begin() + static_cast<std::ptrdiff_t>(residuals_.size() / 2);
+    std::nth_element(residuals_.begin(), middle, residuals_.end());
+    constexpr double kNormalByMedian = 1.4826;
+    noise_ = std::max(kSmallestNoise, kNormalByMedian * *middle);
+    const auto wild = std::count_if(residuals_.begin(), residuals_.end(), [this](double r) { return r > kInliers * noise_; });
+    outliers_ = static_cast<double>(wild) / static_cast<double>(residuals_.size());
+  }
+
+  const cv::Mat& grey_;
+  const TagPattern& pattern_;
+  const LensPatch& lens_;
+  State state_;
+  std::vector<Sight> pixels_;
+  std::vector<double> residuals_;  ///< absolute
+  Normal normal_;
+  double noise_ = std::numeric_limits<double>::infinity();
+  double outliers_ = 0.0;
+  double weights_ = 0.0;
+  double last_move_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+std::optional<TagFit> fitTag(const cv::Mat& grey, const TagPattern& pattern, const TagCorners& start, const LensPatch& lens) {
+  Fit fit(grey, pattern, start, lens);
+  if (!fit.run()) return std::nullopt;
+  return fit.result();
+}
+
+}  // namespace poecal
