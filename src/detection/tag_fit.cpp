@@ -44,21 +44,18 @@ class PlaneMap {
     J_g_px_ = lu.solve(Eigen::Matrix<double, 8, 8>(depths.asDiagonal()));
   }
 
-  struct Place {
-    Eigen::Vector2d uv = Eigen::Vector2d::Zero();
-    Eigen::Matrix2d J_uv_px = Eigen::Matrix2d::Zero();
-  };
-  Place at(const Eigen::Vector2d& px) const {
-    const Eigen::Vector3d h = uv_from_px_ * px.homogeneous();
-    Place place;
-    place.uv = h.head<2>() / h.z();
-    place.J_uv_px = (uv_from_px_.topLeftCorner<2, 2>() - place.uv * uv_from_px_.row(2).head<2>()) / h.z();
-    return place;
+  Eigen::Vector2d cellOf(const Eigen::Vector2d& px) const {
+    const Eigen::Vector3d h = uv_from_px_.leftCols<2>() * px + uv_from_px_.col(2);
+    return h.head<2>() / h.z();
+  }
+  /// Derivative of cellOf() at the pixel of the point `uv`.
+  Eigen::Matrix2d cellsPerPixel(const Eigen::Vector2d& uv, const Eigen::Vector2d& px) const {
+    return (uv_from_px_.topLeftCorner<2, 2>() - uv * uv_from_px_.row(2).head<2>()) / (uv_from_px_.row(2).head<2>().dot(px) + uv_from_px_(2, 2));
   }
   Eigen::Vector2d pixelOf(const Eigen::Vector2d& uv) const { return (px_from_uv_ * uv.homogeneous()).hnormalized(); }
   /// gradient^T d px / d g at a point of the pattern.
   Eigen::Matrix<double, 8, 1> alongParameters(const Eigen::Vector2d& uv, const Eigen::Vector2d& px, const Eigen::Vector2d& gradient) const {
-    const double depth = px_from_uv_.row(2) * uv.homogeneous();
+    const double depth = px_from_uv_.row(2).head<2>().dot(uv) + 1.0;
     const double x = gradient.x() / depth, y = gradient.y() / depth;
     const double both = -x * px.x() - y * px.y();
     Eigen::Matrix<double, 8, 1> along;
@@ -72,8 +69,11 @@ class PlaneMap {
   Eigen::Matrix<double, 8, 8> J_g_px_;
 };
 
+/// A pixel, and what a step of less than a pixel leaves nearly as it is: how the cells lie about it.
 struct Sight {
-  LensPatch::Straight straight;
+  Eigen::Vector2d px_straight;
+  Eigen::Matrix2d J_uv_straight;
+  TagView view;
   Eigen::Vector2d unit;  ///< position in the box of the tag, -1 to 1, for shading
   double grey = 0.0;
 };
@@ -96,7 +96,8 @@ class Fit {
 
   bool run() {
     constexpr int kRoughSteps = 3, kMostSteps = 12;
-    constexpr double kSettled = 2e-3;  // [px]; the next step would be a hundredth of this one
+    // The next step would be about the square of this one, in blurs: less than 1e-3 px.
+    constexpr double kSettled = 0.02;  // [px]
     // Most of the way at a quarter of the price.
     if (!choosePixels(2)) return false;
     startLight();
@@ -120,7 +121,7 @@ class Fit {
     }
     const Eigen::Matrix<double, kParameters, kParameters> inverse =
         normal_.topLeftCorner<kParameters, kParameters>().ldlt().solve(Eigen::Matrix<double, kParameters, kParameters>::Identity());
-    const double variance = normal_(kParameters, kParameters) / (weights_ - kParameters);
+    const double variance = (normal_(kParameters, kParameters) - last_gain_) / (weights_ - kParameters);
     fit.covariance = variance * J_px_straight * inverse.topLeftCorner<8, 8>() * J_px_straight.transpose();
     fit.blur = state_.blur;
     fit.growth = state_.growth;
@@ -137,34 +138,53 @@ class Fit {
     constexpr std::size_t kFewest = 4 * kParameters;
     constexpr std::size_t kMost = 12000;  // beyond it noise is no longer what limits the corners
     const PlaneMap map(pattern_.corners(), state_.straight);
-    Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    const double width = pattern_.width();
-    for (const Eigen::Vector2d& uv :
-         {Eigen::Vector2d(0, 0), Eigen::Vector2d(width, 0), Eigen::Vector2d(0, width), Eigen::Vector2d(width, width)}) {
-      const Eigen::Vector2d px = lens_.bend(map.pixelOf(uv));
-      low = low.cwiseMin(px);
-      high = high.cwiseMax(px);
-    }
+    const Outline outline = outlineOf(map);
+    const Eigen::Vector2d centre = 0.5 * (outline.low + outline.high), half = 0.5 * (outline.high - outline.low);
+    const int left = std::max(0, static_cast<int>(std::floor(outline.low.x())));
+    const int right = std::min(grey_.cols - 1, static_cast<int>(std::ceil(outline.high.x())));
+    const int top = std::max(0, static_cast<int>(std::floor(outline.low.y())));
+    const int bottom = std::min(grey_.rows - 1, static_cast<int>(std::ceil(outline.high.y())));
+    const double edge_reach = kEdgeReach * state_.blur, unknown_reach = kUnknownReach * state_.blur;
+    TagView steepest = outline.steepest;
     pixels_.clear();
-    const int left = std::max(0, static_cast<int>(std::floor(low.x()))),
-              right = std::min(grey_.cols - 1, static_cast<int>(std::ceil(high.x())));
-    const int top = std::max(0, static_cast<int>(std::floor(low.y()))),
-              bottom = std::min(grey_.rows - 1, static_cast<int>(std::ceil(high.y())));
-    const Eigen::Vector2d centre = 0.5 * (low + high), half = 0.5 * (high - low);
+    pixels_.reserve(kMost / static_cast<std::size_t>(stride * stride));
     for (int y = top; y <= bottom; y += stride) {
       const std::uint8_t* row = grey_.ptr<std::uint8_t>(y);
       for (int x = left; x <= right; x += stride) {
         const Eigen::Vector2d px(x, y);
         const LensPatch::Straight straight = lens_.straighten(px);
-        const PlaneMap::Place place = map.at(straight.px);
-        if ((place.uv.array() < 0.0).any() || (place.uv.array() > width).any()) continue;
-        const TagView view(place.uv, place.J_uv_px * straight.J_straight_px);
-        if (surroundings(pattern_, view, kEdgeReach * state_.blur, kUnknownReach * state_.blur) != Surroundings::kEdges) continue;
-        pixels_.push_back({straight, (px - centre).cwiseQuotient(half), static_cast<double>(row[x])});
+        steepest.uv = map.cellOf(straight.px);
+        if (!(steepest.uv.minCoeff() >= 0.0 && steepest.uv.maxCoeff() <= pattern_.width())) continue;
+        // Most pixels go here, before their own view is worked out.
+        if (surroundings(pattern_, steepest, edge_reach, unknown_reach) == Surroundings::kFlat) continue;
+        const Eigen::Matrix2d J_uv_straight = map.cellsPerPixel(steepest.uv, straight.px);
+        const TagView view(steepest.uv, J_uv_straight * straight.J_straight_px);
+        if (surroundings(pattern_, view, edge_reach, unknown_reach) != Surroundings::kEdges) continue;
+        pixels_.push_back({straight.px, J_uv_straight, view, (px - centre).cwiseQuotient(half), static_cast<double>(row[x])});
       }
     }
     thinOut(kMost);
     return pixels_.size() >= kFewest;
+  }
+
+  /// The box about the tag [px], and the largest slopes that a pixel in it has.
+  struct Outline {
+    Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    TagView steepest{Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
+  };
+  Outline outlineOf(const PlaneMap& map) const {
+    Outline outline;
+    const double width = pattern_.width();
+    for (const Eigen::Vector2d& uv :
+         {Eigen::Vector2d(0, 0), Eigen::Vector2d(width, 0), Eigen::Vector2d(0, width), Eigen::Vector2d(width, width)}) {
+      const Eigen::Vector2d px_straight = map.pixelOf(uv);
+      const Eigen::Vector2d px = lens_.bend(px_straight);
+      const TagView view(uv, map.cellsPerPixel(uv, px_straight) * lens_.straighten(px).J_straight_px);
+      outline.low = outline.low.cwiseMin(px);
+      outline.high = outline.high.cwiseMax(px);
+      outline.steepest.slope = outline.steepest.slope.cwiseMax(view.slope);
+    }
+    return outline;
   }
 
   void thinOut(std::size_t most) {
@@ -172,7 +192,7 @@ class Fit {
     if (stride <= 1) return;
     std::size_t kept = 0;
     for (std::size_t k = 0; k < pixels_.size(); k += stride) pixels_[kept++] = pixels_[k];
-    pixels_.resize(kept);
+    pixels_.erase(pixels_.begin() + static_cast<std::ptrdiff_t>(kept), pixels_.end());
   }
 
   /// Light enters linearly, so one solution for it alone is where it starts.
@@ -188,6 +208,7 @@ class Fit {
     accumulate();
     const Row step = normal_.topLeftCorner<kParameters, kParameters>().ldlt().solve(normal_.block<kParameters, 1>(0, kParameters));
     if (!step.allFinite()) return false;
+    last_gain_ = step.dot(normal_.block<kParameters, 1>(0, kParameters));
     // A blur far off would make the linearisation leap: a third either way at most.
     const double change = std::clamp(step(kBlur), -state_.blur / 3.0, state_.blur / 3.0);
     state_.straight += step.head<8>().reshaped(2, 4);
@@ -228,14 +249,14 @@ class Fit {
 
   template <typename Column>
   double fillRow(const Sight& sight, const PlaneMap& map, Column&& column) const {
-    const PlaneMap::Place place = map.at(sight.straight.px);
-    const Whiteness white =
-        whiteness(pattern_, TagView(place.uv, place.J_uv_px * sight.straight.J_straight_px), state_.blur, state_.growth);
+    TagView view = sight.view;
+    view.uv = map.cellOf(sight.px_straight);
+    const Whiteness white = whiteness(pattern_, view, state_.blur, state_.growth);
     const Eigen::Vector3d shading(1.0, sight.unit.x(), sight.unit.y());
     const double black = shading.dot(state_.light.head<3>()), contrast = shading.dot(state_.light.tail<3>());
     // Where the print moves by d px, the pixel sees what lay at -d before.
-    const Eigen::Vector2d gradient = -contrast * (white.J_value_uv * place.J_uv_px).transpose();
-    column.template head<8>() = map.alongParameters(place.uv, sight.straight.px, gradient);
+    const Eigen::Vector2d gradient = -contrast * (white.J_value_uv * sight.J_uv_straight).transpose();
+    column.template head<8>() = map.alongParameters(view.uv, sight.px_straight, gradient);
     column(kBlur) = contrast * white.J_value_blur;
     column(kGrowth) = contrast * white.J_value_growth;
     column.template segment<3>(kBlack) = shading;
@@ -264,6 +285,7 @@ class Fit {
   double noise_ = std::numeric_limits<double>::infinity();
   double outliers_ = 0.0;
   double weights_ = 0.0;
+  double last_gain_ = 0.0;  ///< by how much the last step lessens the sum of squares
   double last_move_ = std::numeric_limits<double>::infinity();
 };
 
