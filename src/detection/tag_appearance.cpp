@@ -13,9 +13,11 @@ constexpr std::size_t kMaxLines = 9;  // within reach either way, for cells of n
 
 /// A blurred step at its distance from the pixel.
 struct Step {
-  double a = 0.0;    ///< [blurs]
-  double cdf = 0.0;  ///< Phi(a)
-  double pdf = 0.0;  ///< phi(a)
+  double a = 0.0;         ///< [blurs]
+  double cdf = 0.0;       ///< S(a)
+  double pdf = 0.0;       ///< S'(a)
+  double gaussian = 0.0;  ///< phi(a)
+  double by_kurtosis = 0.0;
 };
 
 /// The lines of one direction within reach. Each stands at two places, where growth moves it back and where it moves it on.
@@ -38,15 +40,18 @@ class NormalTable {
     }
   }
 
-  Step at(double a) const {
-    if (!(std::abs(a) < kRange)) return {a, a > 0.0 ? 1.0 : 0.0, 0.0};
+  struct Value {
+    double cdf = 0.0, pdf = 0.0;
+  };
+  Value at(double a) const {
+    if (!(std::abs(a) < kRange)) return {a > 0.0 ? 1.0 : 0.0, 0.0};
     const double place = (a + kRange) * kPerUnit;
     const auto k = static_cast<std::size_t>(place);
     const double t = place - static_cast<double>(k);
     const Node &low = nodes_[k], &high = nodes_[k + 1];
     const double rise = high.value - low.value;
     const double c2 = 3.0 * rise - 2.0 * low.slope - high.slope, c3 = low.slope + high.slope - 2.0 * rise;
-    return {a, low.value + t * (low.slope + t * (c2 + t * c3)), kPerUnit * (low.slope + t * (2.0 * c2 + 3.0 * t * c3))};
+    return {low.value + t * (low.slope + t * (c2 + t * c3)), kPerUnit * (low.slope + t * (2.0 * c2 + 3.0 * t * c3))};
   }
 
  private:
@@ -58,9 +63,12 @@ class NormalTable {
   std::array<Node, kNodes> nodes_;
 };
 
-Step stepAt(double distance) {
+Step stepAt(double a, double kurtosis) {
   static const NormalTable kTable;
-  return kTable.at(distance);
+  const NormalTable::Value normal = kTable.at(a);
+  const double a2 = a * a;
+  const double by_kurtosis = -a * (a2 - 3.0) * normal.pdf / 24.0;
+  return {a, normal.cdf + kurtosis * by_kurtosis, normal.pdf * (1.0 + kurtosis / 24.0 * (a2 * (a2 - 6.0) + 3.0)), normal.pdf, by_kurtosis};
 }
 
 /// floor() within a few tags' widths, without a call into the mathematical library; elsewhere a cell that is outside of any tag.
@@ -69,16 +77,16 @@ int cellAt(double coordinate) {
   return std::abs(coordinate) < kFar ? static_cast<int>(coordinate + kFar) - kFar : kFar;
 }
 
-Lines linesWithinReach(double coordinate, double slope, double blur, double growth) {
-  const double reach = kReach * blur * slope;
+Lines linesWithinReach(double coordinate, double slope, const PointSpread& spread, double growth) {
+  const double reach = kReach * spread.blur * slope;
   Lines lines;
   lines.first = cellAt(coordinate - reach) + 1;
   const int last = cellAt(coordinate + reach);
   lines.count = std::min(kMaxLines, static_cast<std::size_t>(std::max(0, last - lines.first + 1)));
-  const double per_cell = 1.0 / (slope * blur), shift = growth / blur;
+  const double per_cell = 1.0 / (slope * spread.blur), shift = growth / spread.blur;
   for (std::size_t k = 0; k < lines.count; ++k) {
     const double distance = (coordinate - lines.first - static_cast<double>(k)) * per_cell;
-    lines.steps[k] = {stepAt(distance + shift), stepAt(distance - shift)};
+    lines.steps[k] = {stepAt(distance + shift, spread.kurtosis), stepAt(distance - shift, spread.kurtosis)};
   }
   return lines;
 }
@@ -89,11 +97,11 @@ class Sum {
   Sum(double start, double blur) : blur_(blur) { whiteness_.value = start; }
 
   void addAlongU(int weight, const Step& step) {
-    whiteness_.value += weight * step.cdf;
+    addStep(weight, step);
     derive(weight * step.pdf, step.a, weight, 0.0, 0.0, 0);
   }
   void addAlongV(int weight, const Step& step) {
-    whiteness_.value += weight * step.cdf;
+    addStep(weight, step);
     derive(0.0, 0.0, 0, weight * step.pdf, step.a, weight);
   }
   void addTurn(const Turn& turn, const Step& u, const Step& v, double rho) {
@@ -101,7 +109,7 @@ class Sum {
     const double a2 = u.a * u.a, b2 = v.a * v.a;
     const std::array<double, 5> A{1.0, u.a, a2 - 1.0, u.a * (a2 - 3.0), a2 * (a2 - 6.0) + 3.0};
     const std::array<double, 5> B{1.0, v.a, b2 - 1.0, v.a * (b2 - 3.0), b2 * (b2 - 6.0) + 3.0};
-    double value = 0.0, by_a = 0.0, by_b = 0.0, factor = u.pdf * v.pdf;
+    double value = 0.0, by_a = 0.0, by_b = 0.0, factor = u.gaussian * v.gaussian;
     for (std::size_t n = 0; n < 4; ++n) {
       factor *= rho / static_cast<double>(n + 1);
       value += factor * A[n] * B[n];
@@ -109,6 +117,7 @@ class Sum {
       by_b -= factor * A[n] * B[n + 1];
     }
     whiteness_.value += turn.weight * (u.cdf * v.cdf + value);
+    whiteness_.J_value_kurtosis += turn.weight * (u.by_kurtosis * v.cdf + u.cdf * v.by_kurtosis);
     derive(turn.weight * (u.pdf * v.cdf + by_a), u.a, turn.shift_u, turn.weight * (u.cdf * v.pdf + by_b), v.a, turn.shift_v);
   }
 
@@ -119,6 +128,10 @@ class Sum {
   }
 
  private:
+  void addStep(int weight, const Step& step) {
+    whiteness_.value += weight * step.cdf;
+    whiteness_.J_value_kurtosis += weight * step.by_kurtosis;
+  }
   void derive(double by_a, double a, int shift_u, double by_b, double b, int shift_v) {
     whiteness_.J_value_uv(0) += by_a / blur_;
     whiteness_.J_value_uv(1) += by_b / blur_;
@@ -135,11 +148,11 @@ class Sum {
 TagView::TagView(const Eigen::Vector2d& coordinates, const Eigen::Matrix2d& J_uv_px)
     : uv(coordinates), slope(J_uv_px.rowwise().norm()), cosine(J_uv_px.row(0).dot(J_uv_px.row(1)) / slope.prod()) {}
 
-Whiteness whiteness(const TagPattern& pattern, const TagView& view, double blur, double growth) {
-  const Lines across_u = linesWithinReach(view.uv.x(), view.slope.x(), blur, growth);
-  const Lines across_v = linesWithinReach(view.uv.y(), view.slope.y(), blur, growth);
+Whiteness whiteness(const TagPattern& pattern, const TagView& view, const PointSpread& spread, double growth) {
+  const Lines across_u = linesWithinReach(view.uv.x(), view.slope.x(), spread, growth);
+  const Lines across_v = linesWithinReach(view.uv.y(), view.slope.y(), spread, growth);
   const int column = across_u.first, row = across_v.first;
-  Sum sum(pattern.white(column - 1, row - 1), blur);
+  Sum sum(pattern.white(column - 1, row - 1), spread.blur);
   for (std::size_t i = 0; i < across_u.count; ++i) {
     const int k = column + static_cast<int>(i);
     const int step = pattern.white(k, row - 1) - pattern.white(k - 1, row - 1);

@@ -14,8 +14,8 @@
 namespace poecal {
 namespace {
 
-// Parameters: homography or corners 0..7, blur, growth, black and its slopes, contrast and its slopes.
-constexpr int kBlur = 8, kGrowth = 9, kBlack = 10, kContrast = 13, kParameters = 16;
+// Parameters: homography or corners 0..7, blur, kurtosis, growth, black and its slopes, contrast and its slopes.
+constexpr int kBlur = 8, kKurtosis = 9, kGrowth = 10, kBlack = 11, kContrast = 14, kParameters = 17;
 using Row = Eigen::Matrix<double, kParameters, 1>;
 using Normal = Eigen::Matrix<double, kParameters + 1, kParameters + 1>;  ///< of the parameters and, last, the residual
 using Light = Eigen::Matrix<double, 6, 1>;
@@ -50,7 +50,8 @@ class PlaneMap {
   }
   /// Derivative of cellOf() at the pixel of the point `uv`.
   Eigen::Matrix2d cellsPerPixel(const Eigen::Vector2d& uv, const Eigen::Vector2d& px) const {
-    return (uv_from_px_.topLeftCorner<2, 2>() - uv * uv_from_px_.row(2).head<2>()) / (uv_from_px_.row(2).head<2>().dot(px) + uv_from_px_(2, 2));
+    return (uv_from_px_.topLeftCorner<2, 2>() - uv * uv_from_px_.row(2).head<2>()) /
+           (uv_from_px_.row(2).head<2>().dot(px) + uv_from_px_(2, 2));
   }
   Eigen::Vector2d pixelOf(const Eigen::Vector2d& uv) const { return (px_from_uv_ * uv.homogeneous()).hnormalized(); }
   /// gradient^T d px / d g at a point of the pattern.
@@ -78,9 +79,46 @@ struct Sight {
   double grey = 0.0;
 };
 
+/// How far the residuals want to move single lines of the pattern, which a fit to noise alone leaves to chance.
+class LineTally {
+ public:
+  explicit LineTally(int width) : pulls_(static_cast<std::size_t>(2 * (width + 1))) {}
+
+  /// @param slope  derivatives of the grey value across the lines of both directions [1 / px].
+  void add(const Eigen::Vector2d& uv, const Eigen::Vector2d& slope, double residual) {
+    const std::size_t half = pulls_.size() / 2;
+    for (const Eigen::Index axis : {0, 1}) {
+      const auto line = static_cast<std::size_t>(std::clamp(uv(axis) + 0.5, 0.0, static_cast<double>(half - 1)));
+      Pull& pull = pulls_[axis == 0 ? line : half + line];
+      pull.score += slope(axis) * residual;
+      pull.information += slope(axis) * slope(axis);
+    }
+  }
+
+  /// Mean square of score / sqrt(information) over the lines, eight of which the corners have made fit; 1 where residuals are noise
+  /// of that variance, more where they agree along lines.
+  double coherence(double variance) const {
+    constexpr double kFitted = 8.0;
+    double sum = 0.0, lines = 0.0, most = 0.0;
+    for (const Pull& pull : pulls_) most = std::max(most, pull.information);
+    for (const Pull& pull : pulls_) {
+      if (!(pull.information > 0.01 * most)) continue;
+      sum += pull.score * pull.score / pull.information;
+      lines += 1.0;
+    }
+    return lines > kFitted ? sum / variance / (lines - kFitted) : 1.0;
+  }
+
+ private:
+  struct Pull {
+    double score = 0.0, information = 0.0;
+  };
+  std::vector<Pull> pulls_;
+};
+
 struct State {
   TagCorners straight;  ///< corners behind the lens
-  double blur = 0.0;
+  PointSpread spread;
   double growth = 0.0;
   Light light = Light::Zero();
 };
@@ -88,26 +126,30 @@ struct State {
 class Fit {
  public:
   Fit(const cv::Mat& grey, const TagPattern& pattern, const TagCorners& start, const LensPatch& lens)
-      : grey_(grey), pattern_(pattern), lens_(lens) {
-    constexpr double kUsualBlur = 0.9;
-    state_.blur = kUsualBlur;
+      : grey_(grey), pattern_(pattern), lens_(lens), lines_(pattern.width()) {
     for (int k = 0; k < 4; ++k) state_.straight.col(k) = lens.straighten(start.col(k)).px;
   }
 
   bool run() {
     constexpr int kRoughSteps = 3, kMostSteps = 12;
+    // Blur and kurtosis tell little from each other, and where the picture has neither shape they would chase each other for ever.
+    constexpr int kSpreadSteps = 3;
+    constexpr double kLargestChange = 0.4;  // of the kurtosis
     // The next step would be about the square of this one, in blurs: less than 1e-3 px.
     constexpr double kSettled = 0.02;  // [px]
     // Most of the way at a quarter of the price.
     if (!choosePixels(2)) return false;
     startLight();
     for (int k = 0; k < kRoughSteps; ++k) {
-      if (!step()) return false;
+      if (!step(0.0)) return false;
     }
     if (!choosePixels(1)) return false;
     for (int k = 0; k < kMostSteps; ++k) {
-      if (!step()) return false;
-      if (last_move_ < kSettled) return true;
+      if (!step(k < kSpreadSteps ? kLargestChange : 0.0)) return false;
+      if (last_move_ < kSettled) {
+        accumulate();  // the residuals of the answer itself are judged
+        return true;
+      }
     }
     return false;
   }
@@ -121,9 +163,11 @@ class Fit {
     }
     const Eigen::Matrix<double, kParameters, kParameters> inverse =
         normal_.topLeftCorner<kParameters, kParameters>().ldlt().solve(Eigen::Matrix<double, kParameters, kParameters>::Identity());
-    const double variance = (normal_(kParameters, kParameters) - last_gain_) / (weights_ - kParameters);
-    fit.covariance = variance * J_px_straight * inverse.topLeftCorner<8, 8>() * J_px_straight.transpose();
-    fit.blur = state_.blur;
+    // Whatever the model lacks shows in the residuals; where it pulls whole lines, pixels do not average it away.
+    const double variance = normal_(kParameters, kParameters) / (weights_ - kParameters);
+    const double inflated = variance * std::max(1.0, lines_.coherence(variance));
+    fit.covariance = inflated * J_px_straight * inverse.topLeftCorner<8, 8>() * J_px_straight.transpose();
+    fit.spread = state_.spread;
     fit.growth = state_.growth;
     fit.contrast = state_.light(3);
     fit.noise = noise_;
@@ -144,7 +188,7 @@ class Fit {
     const int right = std::min(grey_.cols - 1, static_cast<int>(std::ceil(outline.high.x())));
     const int top = std::max(0, static_cast<int>(std::floor(outline.low.y())));
     const int bottom = std::min(grey_.rows - 1, static_cast<int>(std::ceil(outline.high.y())));
-    const double edge_reach = kEdgeReach * state_.blur, unknown_reach = kUnknownReach * state_.blur;
+    const double edge_reach = kEdgeReach * state_.spread.blur, unknown_reach = kUnknownReach * state_.spread.blur;
     TagView steepest = outline.steepest;
     pixels_.clear();
     pixels_.reserve(kMost / static_cast<std::size_t>(stride * stride));
@@ -203,20 +247,41 @@ class Fit {
     noise_ = std::numeric_limits<double>::infinity();  // the residuals so far were those of no light at all
   }
 
-  bool step() {
-    constexpr double kSmallestBlur = 0.3;  // [px]; the pixel's own square
+  /// One step. @param largest_change  of the kurtosis; 0 holds it.
+  bool step(double largest_change) {
+    constexpr double kSmallestBlur = 0.3;     // [px]; the pixel's own square
+    constexpr double kLargestKurtosis = 1.0;  // what a halo of some hundredths of the light has
     accumulate();
-    const Row step = normal_.topLeftCorner<kParameters, kParameters>().ldlt().solve(normal_.block<kParameters, 1>(0, kParameters));
+    Row step = solve();
+    const double before = state_.spread.kurtosis;
+    const double kurtosis =
+        std::clamp(before + std::clamp(step(kKurtosis), -largest_change, largest_change), -kLargestKurtosis, kLargestKurtosis);
+    if (kurtosis != before + step(kKurtosis)) {
+      // The others' best step is another one then.
+      hold(kKurtosis, kurtosis - before);
+      step = solve();
+    }
     if (!step.allFinite()) return false;
-    last_gain_ = step.dot(normal_.block<kParameters, 1>(0, kParameters));
     // A blur far off would make the linearisation leap: a third either way at most.
-    const double change = std::clamp(step(kBlur), -state_.blur / 3.0, state_.blur / 3.0);
+    const double change = std::clamp(step(kBlur), -state_.spread.blur / 3.0, state_.spread.blur / 3.0);
     state_.straight += step.head<8>().reshaped(2, 4);
-    state_.blur = std::max(kSmallestBlur, state_.blur + change);
-    state_.growth = std::clamp(state_.growth + step(kGrowth), -state_.blur, state_.blur);
+    state_.spread.blur = std::max(kSmallestBlur, state_.spread.blur + change);
+    state_.spread.kurtosis = kurtosis;
+    state_.growth = std::clamp(state_.growth + step(kGrowth), -state_.spread.blur, state_.spread.blur);
     state_.light += step.tail<6>();
     last_move_ = std::max(step.head<8>().cwiseAbs().maxCoeff(), std::abs(step(kBlur)));
     return last_move_ < 5.0;
+  }
+
+  Row solve() const {
+    return normal_.topLeftCorner<kParameters, kParameters>().ldlt().solve(normal_.block<kParameters, 1>(0, kParameters));
+  }
+
+  /// Makes the step of one parameter what is said, as an observation of far more weight than the picture's.
+  void hold(int parameter, double step) {
+    const double weight = 1e8 * normal_(parameter, parameter);
+    normal_(parameter, parameter) += weight;
+    normal_(parameter, kParameters) += weight * step;
   }
 
   /// The normal equations at the state, for the corners; weights by the residuals' scale of the last time.
@@ -226,6 +291,7 @@ class Fit {
     Eigen::Matrix<double, kParameters + 1, kBlock> block;
     normal_.setZero();
     residuals_.clear();
+    lines_ = LineTally(pattern_.width());
     weights_ = 0.0;
     int filled = 0;
     for (const Sight& sight : pixels_) {
@@ -248,21 +314,25 @@ class Fit {
   }
 
   template <typename Column>
-  double fillRow(const Sight& sight, const PlaneMap& map, Column&& column) const {
+  double fillRow(const Sight& sight, const PlaneMap& map, Column&& column) {
     TagView view = sight.view;
     view.uv = map.cellOf(sight.px_straight);
-    const Whiteness white = whiteness(pattern_, view, state_.blur, state_.growth);
+    const Whiteness white = whiteness(pattern_, view, state_.spread, state_.growth);
     const Eigen::Vector3d shading(1.0, sight.unit.x(), sight.unit.y());
     const double black = shading.dot(state_.light.head<3>()), contrast = shading.dot(state_.light.tail<3>());
     // Where the print moves by d px, the pixel sees what lay at -d before.
     const Eigen::Vector2d gradient = -contrast * (white.J_value_uv * sight.J_uv_straight).transpose();
     column.template head<8>() = map.alongParameters(view.uv, sight.px_straight, gradient);
     column(kBlur) = contrast * white.J_value_blur;
+    column(kKurtosis) = contrast * white.J_value_kurtosis;
     column(kGrowth) = contrast * white.J_value_growth;
     column.template segment<3>(kBlack) = shading;
     column.template segment<3>(kContrast) = white.value * shading;
     const double residual = sight.grey - black - contrast * white.value;
     column(kParameters) = residual;
+    if (std::abs(residual) < kInliers * noise_) {
+      lines_.add(view.uv, contrast * white.J_value_uv.transpose().cwiseProduct(view.slope), residual);
+    }
     return residual;
   }
 
@@ -281,11 +351,11 @@ class Fit {
   State state_;
   std::vector<Sight> pixels_;
   std::vector<double> residuals_;  ///< absolute
+  LineTally lines_;
   Normal normal_;
   double noise_ = std::numeric_limits<double>::infinity();
   double outliers_ = 0.0;
   double weights_ = 0.0;
-  double last_gain_ = 0.0;  ///< by how much the last step lessens the sum of squares
   double last_move_ = std::numeric_limits<double>::infinity();
 };
 

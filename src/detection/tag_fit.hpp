@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "detection/lens_patch.hpp"
+#include "detection/tag_appearance.hpp"
 #include "detection/tag_pattern.hpp"
 
 namespace poecal {
@@ -16,15 +17,15 @@ using TagCorners = Eigen::Matrix<double, 2, 4>;  ///< column k: corner k in the 
 struct TagFit {
   TagCorners px = TagCorners::Zero();
   Eigen::Matrix<double, 8, 8> covariance = Eigen::Matrix<double, 8, 8>::Zero();  ///< of px column by column, at the noise of the residuals
-  double blur = 0.0;      ///< standard deviation, the pixel's own square included [px]
-  double growth = 0.0;    ///< of dark into light, to each side [px]
-  double contrast = 0.0;  ///< white - black in the middle of the tag [grey levels]
+  PointSpread spread;                                                            ///< the pixel's own square included
+  double growth = 0.0;                                                           ///< of dark into light, to each side [px]
+  double contrast = 0.0;                                                         ///< white - black in the middle of the tag [grey levels]
   double noise = 0.0;     ///< robust standard deviation of the residuals [grey levels]
   double outliers = 0.0;  ///< share of pixels further than three times `noise` from the model
   int pixels = 0;
 };
 
-/// Minimises over corners c, blur s, growth h and light (b, k), by iteratively reweighted Gauss-Newton steps,
+/// Minimises over corners c, point spread s, growth h and light (b, k), by iteratively reweighted Gauss-Newton steps,
 ///   sum_px w (grey - b(px) - k(px) whiteness(G(px; c); s, h))^2,
 /// b and k linear over the tag, G the homography that takes the corners, straightened by the lens, to those of the pattern, and
 /// w = 1 within three standard deviations of the residuals, (3 sigma / r)^2 outside: glare and dirt lose their pull.

@@ -33,7 +33,7 @@ bool isPlausible(const TagFit& fit, const TagCorners& start, int cells_between_c
   constexpr double kLargestNoise = 0.06;   // of the contrast
   constexpr double kMostOutliers = 0.2;
   return (fit.px - start).colwise().norm().maxCoeff<Eigen::PropagateNaN>() <= kLargestMove && fit.contrast >= kLeastContrast &&
-         fit.blur <= kLargestBlur * shortestSide(fit.px) / cells_between_corners && fit.noise <= kLargestNoise * fit.contrast &&
+         fit.spread.blur <= kLargestBlur * shortestSide(fit.px) / cells_between_corners && fit.noise <= kLargestNoise * fit.contrast &&
          fit.outliers <= kMostOutliers;
 }
 
