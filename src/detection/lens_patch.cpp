@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -31,11 +32,11 @@ LensPatch::Terms LensPatch::terms(const Eigen::Vector2d& x) {
 std::optional<LensPatch> LensPatch::of(const Camera& camera, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   constexpr int kGrid = 8;  // points a side; six would determine the polynomial
   constexpr double kSmallestZ = 0.17;
-  constexpr double kTolerance = 0.01;  // [px]
+  constexpr double kTolerance = 0.2;  // [px]
   LensPatch patch;
   patch.centre_ = 0.5 * (low + high);
   patch.scale_ = 0.5 * (high - low).maxCoeff();
-  patch.is_bent_ = true;
+  patch.camera_ = camera;
   Eigen::Matrix<double, kGrid * kGrid, kTerms> A;
   Eigen::Matrix<double, kGrid * kGrid, 2> displacements;
   // Chebyshev's points, which leave the same error in the middle and at the rim.
@@ -55,19 +56,21 @@ std::optional<LensPatch> LensPatch::of(const Camera& camera, const Eigen::Vector
 }
 
 LensPatch::Straight LensPatch::straighten(const Eigen::Vector2d& px) const {
-  if (!is_bent_) return {px, Eigen::Matrix2d::Identity()};
+  if (!camera_) return {px, Eigen::Matrix2d::Identity()};
   const Terms at = terms((px - centre_) / scale_);
   return {px + coefficients_ * at.values, Eigen::Matrix2d::Identity() + coefficients_ * at.slopes / scale_};
 }
 
+LensPatch::Straight LensPatch::straightenExactly(const Eigen::Vector2d& px) const {
+  Straight straight = straighten(px);
+  if (camera_) straight.px += straight.J_straight_px * (px - bend(straight.px));
+  return straight;
+}
+
 Eigen::Vector2d LensPatch::bend(const Eigen::Vector2d& px_straight) const {
-  constexpr int kIterations = 6;  // Newton's method on a function that is nearly linear over the patch
-  Eigen::Vector2d px = px_straight - coefficients_.col(0);
-  for (int k = 0; k < kIterations; ++k) {
-    const Straight now = straighten(px);
-    px += now.J_straight_px.partialPivLu().solve(px_straight - now.px);
-  }
-  return px;
+  if (!camera_) return px_straight;
+  const Eigen::Vector3d ray((px_straight.x() - camera_->cx) / camera_->fx, (px_straight.y() - camera_->cy) / camera_->fy, 1.0);
+  return project(*camera_, ray).value_or(Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
 }
 
 }  // namespace poecal

@@ -127,7 +127,7 @@ class Fit {
  public:
   Fit(const cv::Mat& grey, const TagPattern& pattern, const TagCorners& start, const LensPatch& lens)
       : grey_(grey), pattern_(pattern), lens_(lens), lines_(pattern.width()) {
-    for (int k = 0; k < 4; ++k) state_.straight.col(k) = lens.straighten(start.col(k)).px;
+    for (int k = 0; k < 4; ++k) state_.straight.col(k) = lens.straightenExactly(start.col(k)).px;
   }
 
   bool run() {
@@ -163,7 +163,7 @@ class Fit {
     }
     const Eigen::Matrix<double, kParameters, kParameters> inverse =
         normal_.topLeftCorner<kParameters, kParameters>().ldlt().solve(Eigen::Matrix<double, kParameters, kParameters>::Identity());
-    // Whatever the model lacks shows in the residuals; where it pulls whole lines, pixels do not average it away.
+    // What the model lacks shows in the residuals; where it pulls whole lines, pixels do not average it away.
     const double variance = normal_(kParameters, kParameters) / (weights_ - kParameters);
     const double inflated = variance * std::max(1.0, lines_.coherence(variance));
     fit.covariance = inflated * J_px_straight * inverse.topLeftCorner<8, 8>() * J_px_straight.transpose();
@@ -201,10 +201,11 @@ class Fit {
         if (!(steepest.uv.minCoeff() >= 0.0 && steepest.uv.maxCoeff() <= pattern_.width())) continue;
         // Most pixels go here, before their own view is worked out.
         if (surroundings(pattern_, steepest, edge_reach, unknown_reach) == Surroundings::kFlat) continue;
-        const Eigen::Matrix2d J_uv_straight = map.cellsPerPixel(steepest.uv, straight.px);
+        const Eigen::Vector2d px_straight = lens_.straightenExactly(px).px;
+        const Eigen::Matrix2d J_uv_straight = map.cellsPerPixel(steepest.uv, px_straight);
         const TagView view(steepest.uv, J_uv_straight * straight.J_straight_px);
         if (surroundings(pattern_, view, edge_reach, unknown_reach) != Surroundings::kEdges) continue;
-        pixels_.push_back({straight.px, J_uv_straight, view, (px - centre).cwiseQuotient(half), static_cast<double>(row[x])});
+        pixels_.push_back({px_straight, J_uv_straight, view, (px - centre).cwiseQuotient(half), static_cast<double>(row[x])});
       }
     }
     thinOut(kMost);
@@ -360,6 +361,12 @@ class Fit {
 };
 
 }  // namespace
+
+Eigen::Vector4d TagFit::sigmas() const {
+  Eigen::Vector4d sigmas;
+  for (int k = 0; k < 4; ++k) sigmas(k) = std::sqrt(0.5 * covariance.block<2, 2>(2 * k, 2 * k).trace());
+  return sigmas;
+}
 
 std::optional<TagFit> fitTag(const cv::Mat& grey, const TagPattern& pattern, const TagCorners& start, const LensPatch& lens) {
   Fit fit(grey, pattern, start, lens);

@@ -20,12 +20,6 @@ bool isInside(const cv::Mat& grey, const TagCorners& px) {
   return px.minCoeff() >= kMargin && px.row(0).maxCoeff() <= grey.cols - 1 - kMargin && px.row(1).maxCoeff() <= grey.rows - 1 - kMargin;
 }
 
-Eigen::Vector4d cornerSigmas(const TagFit& fit) {
-  Eigen::Vector4d sigmas;
-  for (int k = 0; k < 4; ++k) sigmas(k) = std::sqrt(0.5 * fit.covariance.block<2, 2>(2 * k, 2 * k).trace());
-  return sigmas;
-}
-
 bool isPlausible(const TagFit& fit, const TagCorners& start, int cells_between_corners) {
   constexpr double kLargestMove = 1.0;     // [px]
   constexpr double kLeastContrast = 20.0;  // [grey levels]
@@ -39,39 +33,31 @@ bool isPlausible(const TagFit& fit, const TagCorners& start, int cells_between_c
 
 }  // namespace
 
-double unrefinedSigma(const TagDetection& tag) {
+double unrefinedSigma(const TagCorners& px) {
   constexpr double kSigma = 0.055;     // [px]
   constexpr double kSmallSide = 40.0;  // [px]
-  const double shortfall = std::max(1.0, kSmallSide / shortestSide(tag.px));
+  const double shortfall = std::max(1.0, kSmallSide / shortestSide(px));
   return kSigma * shortfall * shortfall;
 }
-
-RefinedTag unrefined(const TagDetection& tag) { return {tag.px, Eigen::Vector4d::Constant(unrefinedSigma(tag)), std::nullopt}; }
 
 TagRefiner::TagRefiner(std::string family, bool bare_corners, std::optional<Camera> camera)
     : family_(std::move(family)), bare_corners_(bare_corners), camera_(std::move(camera)) {}
 
-RefinedTag TagRefiner::refine(const cv::Mat& grey, const TagDetection& tag) {
-  std::optional<TagFit> found = fit(grey, tag);
-  if (!found) return unrefined(tag);
-  const Eigen::Vector4d sigma = cornerSigmas(*found);
-  if (!(sigma.maxCoeff<Eigen::PropagateNaN>() <= unrefinedSigma(tag))) return unrefined(tag);
-  return {found->px, sigma, std::move(found)};
-}
-
-std::optional<TagFit> TagRefiner::fit(const cv::Mat& grey, const TagDetection& tag) {
-  if (!isInside(grey, tag.px)) return std::nullopt;
+std::optional<TagFit> TagRefiner::refine(const cv::Mat& grey, int id, const TagCorners& px) {
+  if (!isInside(grey, px)) return std::nullopt;
+  const Eigen::Vector2d low = px.rowwise().minCoeff(), high = px.rowwise().maxCoeff();
   std::optional<LensPatch> lens = LensPatch();
   if (camera_) {
-    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.2 * tag.longestSide());
-    lens = LensPatch::of(*camera_, tag.px.rowwise().minCoeff() - margin, tag.px.rowwise().maxCoeff() + margin);
+    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.15 * (high - low).maxCoeff());
+    lens = LensPatch::of(*camera_, low - margin, high + margin);
     if (!lens) return std::nullopt;
   }
-  const TagPattern& pattern = patternOf(tag.id);
-  std::optional<TagFit> found = fitTag(grey, pattern, tag.px, *lens);
+  const TagPattern& pattern = patternOf(id);
+  std::optional<TagFit> fit = fitTag(grey, pattern, px, *lens);
   const int cells = static_cast<int>(std::lround(pattern.corners()(0, 1) - pattern.corners()(0, 0)));
-  if (found && !isPlausible(*found, tag.px, cells)) return std::nullopt;
-  return found;
+  if (!fit || !isPlausible(*fit, px, cells)) return std::nullopt;
+  if (!(fit->sigmas().maxCoeff<Eigen::PropagateNaN>() <= unrefinedSigma(px))) return std::nullopt;
+  return fit;
 }
 
 const TagPattern& TagRefiner::patternOf(int id) {

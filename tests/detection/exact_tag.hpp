@@ -1,5 +1,5 @@
-// Pictures of single tags to the last digit: areas of polygons instead of samples, the lens's blur before the pixel's square, and the limit that
-// such a picture sets to any estimate of the corners. Shares no code with what is tested by it.
+// Pictures of single tags to the last digit: areas of polygons instead of samples, the lens's blur before the pixel's square, and the limit
+// that such a picture sets to any estimate of the corners. Shares no code with what is tested by it.
 #pragma once
 
 #include <string>
@@ -16,11 +16,11 @@ namespace poecal::test {
 struct TagScene {
   std::string family = "tag36h11";
   int id = 0;
-  Quad corners = Quad::Zero();                 ///< OpenCV's pixels
-  double blur = 0.7;                           ///< of the lens, Gaussian, the pixel's square not included [px]
-  double black = 30.0;                         ///< [grey levels]
-  double white = 208.0;                        ///< [grey levels]
-  Eigen::Vector2d shading{0.0, 0.0};           ///< change of the light over the picture's width and height, of 1
+  Quad corners = Quad::Zero();        ///< OpenCV's pixels
+  double blur = 0.7;                  ///< of the lens, Gaussian, the pixel's square not included [px]
+  double black = 30.0;                ///< [grey levels]
+  double white = 208.0;               ///< [grey levels]
+  Eigen::Vector2d shading{0.0, 0.0};  ///< change of the light over the picture's width and height, of 1
   cv::Size size{200, 200};
 };
 
