@@ -32,7 +32,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
   InputKey key;
   key.add(targetYaml(capture.target))
       .add(reference != nullptr ? targetYaml(*reference) : "")
-      .add(fmt::format("{}x{}", camera.width, camera.height));
+      .add(cameraYaml(camera));
   for (const Sample& sample : capture.table.samples) key.add(sample.image).addFile(capture.folder / sample.image);
   const Stage stage(out, "detect", {file}, key);
   if (!stage.upToDate()) {
@@ -40,6 +40,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
     options.jobs = common.jobs;
     options.expected_width = camera.width;
     options.expected_height = camera.height;
+    options.camera = camera;
     const DetectResult result = detectCapture(capture, options);
     warnAll(describe(result.notes));
     requireTarget(capture, result);

@@ -8,6 +8,7 @@
 #include "detection/corner_finder.hpp"
 #include "detection/grid_corners.hpp"
 #include "detection/tag_detector.hpp"
+#include "detection/tag_refiner.hpp"
 
 namespace poecal {
 namespace {
@@ -19,6 +20,8 @@ class AprilTagFinder : public CornerFinder {
         quad_decimate_(options.quad_decimate),
         others_(options.other_tags.begin(), options.other_tags.end()),
         detector_(target.family) {
+    // Kalibr's grid has black squares where four tags meet.
+    if (options.refine) refiner_.emplace(target.family, target.type != TargetType::kAprilGrid, options.camera);
     for (const TargetTag& tag : target.tags) wanted_.insert(tag.id);
     if (target.type == TargetType::kAprilGrid) grid_ = target;
   }
@@ -33,6 +36,7 @@ class AprilTagFinder : public CornerFinder {
     }
     Finding finding = choose(tags);
     if (grid_) settleGridCorners(*grid_, grey, finding.corners);
+    if (refiner_) refine(grey, finding.corners);
     return finding;
   }
 
@@ -43,7 +47,7 @@ class AprilTagFinder : public CornerFinder {
     return missing.empty();
   }
 
-  Finding choose(const std::vector<TagDetection>& tags) const {
+  Finding choose(const std::vector<TagDetection>& tags) {
     std::map<int, std::vector<const TagDetection*>> by_id;
     for (const TagDetection& tag : tags) by_id[tag.id].push_back(&tag);
     Finding finding;
@@ -57,11 +61,26 @@ class AprilTagFinder : public CornerFinder {
       } else if (seen.size() > 1) {
         finding.notes.push_back(fmt::format("tag {} is seen {} times and left out", id, seen.size()));
       } else {
-        for (int corner = 0; corner < 4; ++corner) finding.corners.push_back({{id, corner}, seen.front()->px.col(corner)});
+        const double sigma = unrefinedSigma(seen.front()->px);
+        for (int corner = 0; corner < 4; ++corner) finding.corners.push_back({{id, corner}, seen.front()->px.col(corner), sigma});
       }
     }
     if (finding.corners.empty() && finding.notes.empty()) finding.notes.push_back(fmt::format("no tag of family {} was found", family_));
     return finding;
+  }
+
+  /// Fits the tags that have all four corners to the picture; others stay as they are.
+  void refine(const cv::Mat& grey, std::vector<Corner>& corners) {
+    for (std::size_t first = 0; first + 4 <= corners.size(); ++first) {
+      const int id = corners[first].id.tag;
+      if (corners[first].id.corner != 0 || corners[first + 3].id != PointId{id, 3}) continue;
+      TagCorners px;
+      for (int k = 0; k < 4; ++k) px.col(k) = corners[first + static_cast<std::size_t>(k)].px;
+      const std::optional<TagFit> fit = refiner_->refine(grey, id, px);
+      if (!fit) continue;
+      const Eigen::Vector4d sigmas = fit->sigmas();
+      for (int k = 0; k < 4; ++k) corners[first + static_cast<std::size_t>(k)] = {{id, k}, fit->px.col(k), sigmas(k)};
+    }
   }
 
   std::string family_;
@@ -70,6 +89,7 @@ class AprilTagFinder : public CornerFinder {
   std::set<int> wanted_;
   std::optional<Target> grid_;
   TagDetector detector_;
+  std::optional<TagRefiner> refiner_;
 };
 
 }  // namespace

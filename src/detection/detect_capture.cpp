@@ -35,6 +35,7 @@ DetectResult detectCapture(const Capture& capture, DetectOptions options) {
   if (capture.camera) {
     options.expected_width = capture.camera->width;
     options.expected_height = capture.camera->height;
+    options.camera = capture.camera;
   }
   std::vector<std::string> images;
   for (const Sample& sample : capture.table.samples) images.push_back(sample.image);

@@ -89,6 +89,9 @@ bool hasSquares(const Target& grid, const GridView& view, const std::vector<Corn
   return 2 * saddles > corners.size();
 }
 
+/// Saddles in windows of 5 to 10 px at a noise of 2 grey levels [px].
+constexpr double kSaddleSigma = 0.03;
+
 std::vector<Corner> saddles(const Target& grid, const GridView& view, const cv::Mat& grey) {
   std::vector<Corner> found;
   for (const TargetTag& tag : grid.tags) {
@@ -100,7 +103,7 @@ std::vector<Corner> saddles(const Target& grid, const GridView& view, const cv::
       std::vector<cv::Point2f> px{cv::Point2f(expected)};
       refineSaddles(grey, px, reach);
       if (cv::norm(cv::Point2d(px.front()) - expected) > std::max(2.0, reach)) continue;
-      found.push_back({point.id, {static_cast<double>(px.front().x), static_cast<double>(px.front().y)}});
+      found.push_back({point.id, {static_cast<double>(px.front().x), static_cast<double>(px.front().y)}, kSaddleSigma});
     }
   }
   return found;

@@ -1,7 +1,7 @@
 #include "simulation/pattern.hpp"
 
 #include "poecal/core/error.hpp"
-#include "simulation/marker_bitmap.hpp"
+#include "detection/marker_bitmap.hpp"
 
 namespace poecal {
 namespace {

@@ -28,7 +28,7 @@ TEST(AprilGrid, CornersOfKalibrsSheetAreFoundAsSaddles) {
   const test::TempFolder folder;
   std::vector<std::string> names;
   std::vector<Eigen::Isometry3d> poses;
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < 2; ++k) {
     Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
     T_camera_target.linear() =
         expSo3({M_PI + rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4), 0.0}) * expSo3({0.0, 0.0, rng.uniform(-0.5, 0.5)});
@@ -38,7 +38,9 @@ TEST(AprilGrid, CornersOfKalibrsSheetAreFoundAsSaddles) {
     cv::imwrite((folder.path() / names.back()).string(),
                 renderTarget(camera, grid, T_camera_target, {}, 5, static_cast<std::uint64_t>(k), 4));
   }
-  const DetectResult result = detect(folder.path(), names, grid, {});
+  DetectOptions options;
+  options.camera = camera;
+  const DetectResult result = detect(folder.path(), names, grid, options);
   for (std::size_t k = 0; k < poses.size(); ++k) {
     there += grid.points.size();
     for (const Corner& corner : result.detections.images[k].corners) {
@@ -49,9 +51,9 @@ TEST(AprilGrid, CornersOfKalibrsSheetAreFoundAsSaddles) {
     }
   }
   EXPECT_GT(static_cast<double>(found), 0.9 * static_cast<double>(there));
-  // A saddle in a window of some 7 px at a noise of 2 grey levels is good to a few hundredths of a pixel.
-  EXPECT_LT(rms(errors), 0.1);
-  EXPECT_LT(quantile(errors, 1.0), 0.5);
+  // A saddle in a window of some 7 px at a noise of 2 grey levels is good to 0.035 px, a whole tag fitted from there on to 0.01.
+  EXPECT_LT(rms(errors), 0.02);
+  EXPECT_LT(quantile(errors, 1.0), 0.1);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include <opencv2/aruco/charuco.hpp>
 
 #include "poecal/core/error.hpp"
-#include "simulation/marker_bitmap.hpp"
+#include "detection/marker_bitmap.hpp"
 #include "simulation/pattern.hpp"
 
 namespace poecal {

@@ -49,6 +49,7 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
   app.add_option("--quad-decimate", options->detect.quad_decimate,
                  "Look for tags in pictures this much smaller first; edges are refined in the full ones")
       ->capture_default_str();
+  app.add_flag("!--no-refine", options->detect.refine, "Leave AprilTag's corners as they are, without fitting the tags to the picture");
   app.footer(kExample);
   return [options, &common] {
     const Capture capture = readCapture(options->capture);

@@ -2,18 +2,22 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "poecal/camera/camera.hpp"
 #include "poecal/capture/detections.hpp"
 #include "poecal/target/target.hpp"
 
 namespace poecal {
 
 struct DetectOptions {
-  int jobs = 0;                ///< pictures at a time; 0: one per core
-  double quad_decimate = 2.0;  ///< AprilTag looks for quads in a picture this much smaller; edges are refined in the full one
-  int expected_width = 0;      ///< 0: the size of the first picture that can be read
+  int jobs = 0;                  ///< pictures at a time; 0: one per core
+  double quad_decimate = 2.0;    ///< AprilTag looks for quads in a picture this much smaller; edges are refined in the full one
+  bool refine = true;            ///< fit AprilTag's corners to the grey values of the whole tag, where the picture supports it
+  std::optional<Camera> camera;  ///< whose lens bends the edges that are fitted; nothing: edges are straight
+  int expected_width = 0;        ///< 0: the size of the first picture that can be read
   int expected_height = 0;
   std::vector<int> other_tags;  ///< ids that are in view for another purpose (a reference) and need no note
   void validate() const;        ///< @throws InvalidArgument with the field's name and value.
@@ -36,6 +40,7 @@ struct DetectResult {
 /// does not depend on options.jobs.
 ///
 /// Tags: a quick pass with quad_decimate, and where a tag of the target is missing a thorough one in the full picture.
+/// Their corners are then fitted to the picture (options.refine). Each states its sigma: the fit's, or that of AprilTag's own corners.
 /// A tag id seen twice in one picture gives no corners for that id. A picture that fails alone is a note. Where no tag was seen at all but
 /// tags of another family are there, the last note says so.
 /// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;

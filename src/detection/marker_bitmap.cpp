@@ -1,4 +1,4 @@
-#include "simulation/marker_bitmap.hpp"
+#include "detection/marker_bitmap.hpp"
 
 #include <cstdint>
 #include <cstdlib>

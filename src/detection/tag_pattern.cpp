@@ -1,0 +1,61 @@
+#include "detection/tag_pattern.hpp"
+
+#include "detection/marker_bitmap.hpp"
+
+namespace poecal {
+namespace {
+
+/// Turns of the four cells a b / c d about a point. One cell unlike the other three: a dark one grows over the point, a white one draws
+/// back. Cells alike corner to corner: both white ones draw back.
+std::array<Turn, 2> turnsOf(int a, int b, int c, int d) {
+  const int weight = a - b - c + d;
+  const int whites = a + b + c + d;
+  if (weight == 0) return {};
+  if (whites == 2) {
+    if (a == 1) return {Turn{1, -1, -1}, Turn{1, 1, 1}};
+    return {Turn{-1, 1, -1}, Turn{-1, -1, 1}};
+  }
+  const int odd = whites == 1 ? 1 : 0;  // the grey of the cell unlike the others
+  const int side_u = b == odd || d == odd ? 1 : -1;
+  const int side_v = c == odd || d == odd ? 1 : -1;
+  const int outward = odd == 1 ? 1 : -1;
+  return {Turn{weight, outward * side_u, outward * side_v}, Turn{}};
+}
+
+}  // namespace
+
+TagPattern::TagPattern(const std::string& family, int id, bool bare_corners) : bare_corners_(bare_corners) {
+  const MarkerBitmap bitmap = tagBitmap(family, id);
+  width_ = bitmap.width;
+  for (int row = 0; row < width_; ++row) {
+    for (int column = 0; column < width_; ++column) white_.push_back(bitmap.isWhite(column, row) || !isKnown(column, row) ? 1 : 0);
+  }
+  for (int row = 0; row <= width_; ++row) {
+    for (int column = 0; column <= width_; ++column) {
+      turns_.push_back(turnsOf(white(column - 1, row - 1), white(column, row - 1), white(column - 1, row), white(column, row)));
+    }
+  }
+  const double low = 0.5 * (width_ - bitmap.corner_width);
+  const double high = low + bitmap.corner_width;
+  corners_ << low, high, high, low,  //
+      high, high, low, low;
+}
+
+bool TagPattern::isKnown(int column, int row) const {
+  const int last = width_ - 1;
+  if (column < 0 || row < 0 || column > last || row > last) return false;
+  return bare_corners_ || !((column == 0 || column == last) && (row == 0 || row == last));
+}
+
+int TagPattern::white(int column, int row) const {
+  if (column < 0 || row < 0 || column >= width_ || row >= width_) return 1;
+  return white_[static_cast<std::size_t>(row * width_ + column)];
+}
+
+const std::array<Turn, 2>& TagPattern::turns(int column, int row) const {
+  static constexpr std::array<Turn, 2> kNone{};
+  if (column < 0 || row < 0 || column > width_ || row > width_) return kNone;
+  return turns_[static_cast<std::size_t>(row * (width_ + 1) + column)];
+}
+
+}  // namespace poecal
