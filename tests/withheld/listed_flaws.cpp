@@ -2,12 +2,14 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace withheld {
 namespace {
 
 using Act = std::function<void(const Flaw&, const Shot&, const Loads&, State&)>;
 
-std::string numbered(const char* word, std::size_t index) { return word + std::to_string(index + 1); }
+std::string numbered(const char* word, std::size_t index) { return fmt::format("{}{}", word, index + 1); }
 
 Frame sixNumbers(const Flaw& flaw, std::size_t first, double factor) {
   return motion(factor * Vector(flaw[first], flaw[first + 1], flaw[first + 2]), factor * Vector(flaw[first + 3], flaw[first + 4], flaw[first + 5]));

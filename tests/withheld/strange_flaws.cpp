@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace withheld {
 namespace {
 
@@ -10,7 +12,7 @@ using Act = std::function<void(const Flaw&, const Shot&, const Loads&, State&)>;
 /// An error of one joint of the size value[0] and of any shape in [-1, 1].
 Flaw jointFlaw(const std::string& effect, std::size_t k, const std::string& driver, std::function<double(const Shot&, const Loads&)> shape, bool yields) {
   const auto K = static_cast<Eigen::Index>(k);
-  return {effect, "joint:" + std::to_string(k + 1), driver, {{"size", 5e-4, 5e-4, 2e-2}},
+  return {effect, fmt::format("joint:{}", k + 1), driver, {{"size", 5e-4, 5e-4, 2e-2}},
           [K, shape](const Flaw& f, const Shot& s, const Loads& loads, State& c) { c.q[K] += f[0] * shape(s, loads); }, yields};
 }
 
@@ -21,7 +23,7 @@ Flaw oddAngle(const Cell& cell, Chance& chance) {
   const Joint& joint = cell.arm.joints[k];
   const double range = joint.high - joint.low;
   const double center = joint.low + range * chance.between(0.3, 0.7);
-  const std::string driver = "q" + std::to_string(k + 1);
+  const std::string driver = fmt::format("q{}", k + 1);
   const double width = range * chance.between(0.04, 0.1);
   const double period = range * chance.between(0.36, 0.44);
   switch (chance.index(4)) {
@@ -36,10 +38,27 @@ Flaw oddAngle(const Cell& cell, Chance& chance) {
   }
 }
 
-Flaw oddTorque(const Cell& cell, Chance& chance) {
-  const std::size_t k = chance.index(cell.arm.size());
+/// Joints whose torque changes enough over the shots to drive anything.
+std::vector<std::size_t> loadedJoints(const Cell& cell, const std::vector<Shot>& shots) {
+  constexpr double kLeast = 1.0;  // standard deviation [N m]
+  std::vector<std::size_t> loaded;
+  for (std::size_t k = 0; k < cell.arm.size(); ++k) {
+    double sum = 0.0, squares = 0.0;
+    for (const Shot& shot : shots) {
+      const double torque = gravityLoads(cell, flawless(cell, shot), shot.payload).torque[static_cast<Eigen::Index>(k)];
+      sum += torque;
+      squares += torque * torque;
+    }
+    const auto count = static_cast<double>(shots.size());
+    if (squares / count - std::pow(sum / count, 2) > kLeast * kLeast) loaded.push_back(k);
+  }
+  return loaded;
+}
+
+Flaw oddTorque(const std::vector<std::size_t>& loaded, Chance& chance) {
+  const std::size_t k = chance.oneOf(loaded);
   const auto K = static_cast<Eigen::Index>(k);
-  const std::string driver = "tau" + std::to_string(k + 1);
+  const std::string driver = fmt::format("tau{}", k + 1);
   if (chance.happens(0.5)) {
     return jointFlaw("progressive spring", k, driver, [K](const Shot&, const Loads& loads) { return loads.torque[K] * std::abs(loads.torque[K]) / 400.0; }, true);
   }
@@ -92,7 +111,8 @@ Flaw strangeFlaw(const Cell& cell, const std::vector<Shot>& shots, Chance& chanc
       return oddAngle(cell, chance);
     case 2:
     case 3:
-      return oddTorque(cell, chance);
+      if (const std::vector<std::size_t> loaded = loadedJoints(cell, shots); !loaded.empty()) return oddTorque(loaded, chance);
+      return oddAngle(cell, chance);
     case 4:
       return wavyJoint(cell, shots, chance);
     case 5:
