@@ -10,18 +10,18 @@ constexpr double kQuarter = std::numbers::pi / 2.0;
 
 Arm cobot(double s) {
   Arm arm{"cobot", {}, {}, step(0.0, 0.0, 0.03)};
-  arm.joints = {{false, step(0.0, 0.0, 0.16 * s), -3.1, 3.1},         {false, step(kQuarter, 0.0, 0.0), -3.1, 3.1},
-                {false, step(0.0, -0.42 * s, 0.0), -2.7, 2.7},        {false, step(0.0, -0.39 * s, 0.13 * s), -3.1, 3.1},
-                {false, step(kQuarter, 0.0, 0.10 * s), -3.1, 3.1},    {false, step(-kQuarter, 0.0, 0.10 * s), -3.1, 3.1}};
+  arm.joints = {{false, step(0.0, 0.0, 0.16 * s), -3.1, 3.1},      {false, step(kQuarter, 0.0, 0.0), -3.1, 3.1},
+                {false, step(0.0, -0.42 * s, 0.0), -2.7, 2.7},     {false, step(0.0, -0.39 * s, 0.13 * s), -3.1, 3.1},
+                {false, step(kQuarter, 0.0, 0.10 * s), -3.1, 3.1}, {false, step(-kQuarter, 0.0, 0.10 * s), -3.1, 3.1}};
   arm.bodies = {{3.8, {}}, {8.2, {}}, {2.4, {}}, {1.3, {}}, {1.2, {}}, {0.3, {}}};
   return arm;
 }
 
 Arm sphericalWrist(double s) {
   Arm arm{"wrist", {}, {}, step(0.0, 0.0, 0.09 * s)};
-  arm.joints = {{false, step(0.0, 0.0, 0.40 * s), -2.8, 2.8},           {false, step(-kQuarter, 0.07 * s, 0.0), -2.6, 0.9},
-                {false, step(0.0, 0.38 * s, 0.0), -2.6, 1.2},           {false, step(-kQuarter, 0.05 * s, 0.40 * s), -3.1, 3.1},
-                {false, step(kQuarter, 0.0, 0.0), -2.0, 2.0},           {false, step(-kQuarter, 0.0, 0.0), -3.1, 3.1}};
+  arm.joints = {{false, step(0.0, 0.0, 0.40 * s), -2.8, 2.8}, {false, step(-kQuarter, 0.07 * s, 0.0), -2.6, 0.9},
+                {false, step(0.0, 0.38 * s, 0.0), -2.6, 1.2}, {false, step(-kQuarter, 0.05 * s, 0.40 * s), -3.1, 3.1},
+                {false, step(kQuarter, 0.0, 0.0), -2.0, 2.0}, {false, step(-kQuarter, 0.0, 0.0), -3.1, 3.1}};
   arm.bodies = {{9.0, {}}, {7.0, {}}, {5.0, {}}, {2.0, {}}, {0.9, {}}, {0.3, {}}};
   return arm;
 }
@@ -67,7 +67,9 @@ std::vector<Frame> framesAtRest(const Arm& arm) {
   return frames;
 }
 
-std::string drawFamily(Chance& chance) { return chance.oneOf(std::vector<std::string>{"cobot", "wrist", "seven", "cobot", "wrist", "seven", "scara"}); }
+std::string drawFamily(Chance& chance) {
+  return chance.oneOf(std::vector<std::string>{"cobot", "wrist", "seven", "cobot", "wrist", "seven", "scara"});
+}
 
 Arm drawArm(Chance& chance, const std::string& family) {
   const double size = chance.between(0.85, 1.2);

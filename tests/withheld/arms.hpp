@@ -10,7 +10,7 @@ namespace withheld {
 
 struct Joint {
   bool slides = false;
-  Frame T_before;                 ///< from the previous joint's frame (after its motion), or base, to this one's
+  Frame T_before;                ///< from the previous joint's frame (after its motion), or base, to this one's
   double low = 0.0, high = 0.0;  ///< range that poses are drawn from [rad] or [m]
   Frame moved(double q) const { return slides ? Frame(Vector(0.0, 0.0, q)) : Frame(Rotation::RotZ(q)); }
 };

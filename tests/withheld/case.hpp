@@ -25,10 +25,10 @@ struct Sighting {
 /// An effect that a case has.
 struct Hidden {
   Flaw flaw;
-  double S = 0.0;                            ///< see Leftover
-  std::vector<std::string> aliases;          ///< "effect@location" of listed ones that explain it without a rest, besides geometry
-  std::string nearest;                       ///< the listed one, not an alias, that explains most of it
-  double left_by_nearest = 0.0;              ///< S that the nearest one does not explain
+  double S = 0.0;                    ///< see Leftover
+  std::vector<std::string> aliases;  ///< "effect@location" of listed ones that explain it without a rest, besides geometry
+  std::string nearest;               ///< the listed one, not an alias, that explains most of it
+  double left_by_nearest = 0.0;      ///< S that the nearest one does not explain
 };
 
 struct Case {
@@ -48,9 +48,11 @@ struct Case {
   Cell actual;
   std::vector<Hidden> hidden;
   Noise noise;
-  std::vector<std::string> wild;  ///< images
-  std::size_t missing = 0;        ///< tags that were not seen
-  std::vector<std::string> silent;  ///< "effect@location" or "zero offset@joint:K": there, but nothing can show it
+  std::vector<std::string> wild;    ///< images
+  std::size_t missing = 0;          ///< tags that were not seen
+  std::optional<Flaw> unfindable;   ///< there, but nothing can show it
+  std::vector<std::string> silent;  ///< "effect@location" of it where the contract's table has it: to be listed as not testable
+  std::optional<double> oracle_px;  ///< see oracle.hpp
   std::vector<Shot> unseen;
   Eigen::VectorXd unseen_corners;
 };

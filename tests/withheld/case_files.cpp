@@ -24,7 +24,8 @@ std::string numbers(const Vector& v) { return fmt::format("[{:.12g}, {:.12g}, {:
 
 std::string manifest(const std::string& name) {
   return fmt::format(
-      "format: poecal-capture/1\nname: {}\nsetup: eye_to_hand\nrobot: robot.yaml\ncamera: camera.yaml\ntarget: target.yaml\nsamples: samples.csv\n"
+      "format: poecal-capture/1\nname: {}\nsetup: eye_to_hand\nrobot: robot.yaml\ncamera: camera.yaml\ntarget: target.yaml\nsamples: "
+      "samples.csv\n"
       "detections: detections.csv\n",
       name);
 }
@@ -35,12 +36,13 @@ std::string robotYaml(const Case& made) {
   std::string text = fmt::format("format: poecal-robot/1\nname: {}\njoints:\n", arm.name);
   for (std::size_t k = 0; k < arm.size(); ++k) {
     const Joint& joint = arm.joints[k];
-    text += fmt::format("  - {{name: joint_{}, type: {}, axis: {}, point: {}, limits: [{:.6g}, {:.6g}]}}\n", k + 1, joint.slides ? "prismatic" : "revolute",
-                        numbers(frames[k].M.UnitZ()), numbers(frames[k].p), joint.low, joint.high);
+    text += fmt::format("  - {{name: joint_{}, type: {}, axis: {}, point: {}, limits: [{:.6g}, {:.6g}]}}\n", k + 1,
+                        joint.slides ? "prismatic" : "revolute", numbers(frames[k].M.UnitZ()), numbers(frames[k].p), joint.low, joint.high);
   }
   double x = 0, y = 0, z = 0, w = 1;
   frames.back().M.GetQuaternion(x, y, z, w);
-  text += fmt::format("flange: {{position: {}, quaternion_xyzw: [{:.15g}, {:.15g}, {:.15g}, {:.15g}]}}\n", numbers(frames.back().p), x, y, z, w);
+  text += fmt::format("flange: {{position: {}, quaternion_xyzw: [{:.15g}, {:.15g}, {:.15g}, {:.15g}]}}\n", numbers(frames.back().p), x, y,
+                      z, w);
   if (made.told_masses) {
     text += "links:\n";
     for (std::size_t k = 0; k < arm.size(); ++k) {
@@ -54,12 +56,14 @@ std::string robotYaml(const Case& made) {
 std::string cameraYaml(const Case& made) {
   const Lens& lens = made.told.lens;
   std::string text = fmt::format(
-      "image_width: {}\nimage_height: {}\ncamera_name: withheld\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [{:.10g}, 0, {:.10g}, 0, {:.10g}, {:.10g}, 0, 0, 1]\n"
+      "image_width: {}\nimage_height: {}\ncamera_name: withheld\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [{:.10g}, 0, {:.10g}, 0, "
+      "{:.10g}, {:.10g}, 0, 0, 1]\n"
       "distortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [{:.10g}, {:.10g}, {:.10g}, {:.10g}, 0]\n",
       lens.width, lens.height, lens.fx, lens.cx, lens.fy, lens.cy, lens.k1, lens.k2, lens.p1, lens.p2);
   if (made.lens_deviation) {
     const LensDeviation& d = *made.lens_deviation;
-    text += fmt::format("standard_deviation: {{fx: {:.6g}, fy: {:.6g}, cx: {:.6g}, cy: {:.6g}, k1: {:.6g}, k2: {:.6g}}}\n", d.f, d.f, d.c, d.c, d.k1, d.k2);
+    text += fmt::format("standard_deviation: {{fx: {:.6g}, fy: {:.6g}, cx: {:.6g}, cy: {:.6g}, k1: {:.6g}, k2: {:.6g}}}\n", d.f, d.f, d.c,
+                        d.c, d.k1, d.k2);
   }
   return text;
 }
@@ -113,7 +117,8 @@ std::string detectionsCsv(const Case& made) {
   std::string text = detectionsHead(made.sigma_told);
   for (const Sighting& sighting : made.sightings) {
     for (int corner = 0; corner < 4; ++corner) {
-      addCorner(text, made.shots[sighting.shot].image, sighting.tag, corner, sighting.pixels.col(corner), made.sigma_told ? made.noise.corner : 0.0);
+      addCorner(text, made.shots[sighting.shot].image, sighting.tag, corner, sighting.pixels.col(corner),
+                made.sigma_told ? made.noise.corner : 0.0);
     }
   }
   return text;
@@ -124,7 +129,8 @@ std::string unseenCsv(const Case& made) {
   Eigen::Index row = 0;
   for (const Shot& shot : made.unseen) {
     for (const Tag& tag : made.actual.tags) {
-      for (int corner = 0; corner < 4; ++corner, row += 2) addCorner(text, shot.image, tag.id, corner, made.unseen_corners.segment<2>(row), 0.0);
+      for (int corner = 0; corner < 4; ++corner, row += 2)
+        addCorner(text, shot.image, tag.id, corner, made.unseen_corners.segment<2>(row), 0.0);
     }
   }
   return text;
@@ -155,6 +161,7 @@ nlohmann::ordered_json truth(const Case& made) {
     effect["left_by_nearest"] = hidden.left_by_nearest;
     json["effects"].push_back(effect);
   }
+  if (made.unfindable) json["unfindable"] = made.unfindable->place();
   json["silent"] = made.silent;
   json["arm"] = made.told.arm.name;
   json["shots"] = made.shots.size();
@@ -166,6 +173,7 @@ nlohmann::ordered_json truth(const Case& made) {
   json["lens_deviation"] = made.lens_deviation.has_value();
   json["wild"] = made.wild;
   json["missing"] = made.missing;
+  if (made.oracle_px) json["oracle_px"] = *made.oracle_px;
   return json;
 }
 

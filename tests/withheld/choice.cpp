@@ -17,7 +17,9 @@ constexpr double kSameAtMost = 1.0;  // sigma
 /// A strange effect of which the nearest listed one leaves less may rightly be called by that one's name.
 constexpr double kStrangeShare = 0.4, kStrangeLeast = 6.0;
 
-double timeOfRun(const Case& made, double share) { return made.shots.front().stamp + share * (made.shots.back().stamp - made.shots.front().stamp); }
+double timeOfRun(const Case& made, double share) {
+  return made.shots.front().stamp + share * (made.shots.back().stamp - made.shots.front().stamp);
+}
 
 /// Fills aliases and nearest of a hidden effect from instances of all kinds.
 void compare(Hidden& hidden, const std::vector<Flaw>& others, const Leftover& leftover) {
@@ -26,7 +28,8 @@ void compare(Hidden& hidden, const std::vector<Flaw>& others, const Leftover& le
     if (other.place() == hidden.flaw.place()) continue;
     const double rest = Leftover::besides(left, leftover.columns(other)).norm();
     if (rest < kSame * hidden.S && rest < kSameAtMost) {
-      if (std::find(hidden.aliases.begin(), hidden.aliases.end(), other.place()) == hidden.aliases.end()) hidden.aliases.push_back(other.place());
+      if (std::find(hidden.aliases.begin(), hidden.aliases.end(), other.place()) == hidden.aliases.end())
+        hidden.aliases.push_back(other.place());
     } else if (hidden.nearest.empty() || rest < hidden.left_by_nearest) {
       hidden.nearest = other.place();
       hidden.left_by_nearest = rest;
@@ -48,10 +51,11 @@ bool scaleTo(double S, const Leftover& leftover, Flaw& flaw) {
 
 const std::vector<std::string>& listedNames() {
   static const std::vector<std::string> names = {
-      "joint_gain",   "joint_eccentricity", "joint_harmonic", "joint_compliance", "joint_backlash", "joint_coupling",    "joint_slip",
-      "joint_drift",  "axis_wobble",        "link_bending",   "link_expansion",   "base_compliance", "camera_slip",      "camera_drift",
-      "lens_distortion", "focal_length",    "focal_drift",    "principal_point",  "rolling_shutter", "time_offset",      "target_anisotropy",
-      "target_bend",  "target_layout",      "target_slip",    "corner_bias"};
+      "joint_gain",        "joint_eccentricity", "joint_harmonic",  "joint_compliance", "joint_backlash",
+      "joint_coupling",    "joint_slip",         "joint_drift",     "axis_wobble",      "link_bending",
+      "link_expansion",    "base_compliance",    "camera_slip",     "camera_drift",     "lens_distortion",
+      "focal_length",      "focal_drift",        "principal_point", "rolling_shutter",  "time_offset",
+      "target_anisotropy", "target_bend",        "target_layout",   "target_slip",      "corner_bias"};
   return names;
 }
 
@@ -80,11 +84,17 @@ std::optional<Hidden> chooseListed(const Case& made, const Leftover& leftover, c
       for (Parameter& parameter : flaw.parameters) parameter.value = std::abs(parameter.value);
     }
     if (!scaleTo(S, leftover, flaw)) continue;
-    Hidden hidden{flaw, leftover.size(flaw), {}, "", 0.0};
-    compare(hidden, all, leftover);
-    return hidden;
+    return Hidden{flaw, leftover.size(flaw), {}, "", 0.0};
   }
   return std::nullopt;
+}
+
+void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden) {
+  Instances instances{timeOfRun(made, 0.5), {2}};
+  for (const Parameter& parameter : hidden.flaw.parameters) {
+    if (parameter.name == "time") instances.slip_time = parameter.value;
+  }
+  compare(hidden, listedFlaws(made.actual, made.columns, instances), leftover);
 }
 
 std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, Chance& chance) {

@@ -22,6 +22,9 @@ KindNeeds needsOf(const std::string& effect);
 /// A flaw of the kind at a random place, leaving S; nothing where the cell has no such place.
 std::optional<Hidden> chooseListed(const Case& made, const Leftover& leftover, const std::string& effect, double S, Chance& chance);
 
+/// Fills aliases and nearest of a hidden effect from every listed effect that the cell can have.
+void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden);
+
 /// One that the table does not have and that no listed one explains.
 std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, Chance& chance);
 

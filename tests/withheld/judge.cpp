@@ -10,7 +10,8 @@ const char* const kUnknown = "unknown";
 /// Its location, or that of one of its aliases.
 bool isAt(const TrueEffect& effect, const std::string& location) {
   if (effect.location == location) return true;
-  return std::any_of(effect.aliases.begin(), effect.aliases.end(), [&](const std::string& alias) { return alias.ends_with("@" + location); });
+  return std::any_of(effect.aliases.begin(), effect.aliases.end(),
+                     [&](const std::string& alias) { return alias.ends_with("@" + location); });
 }
 
 Fate fateOf(const TrueEffect& effect, const std::vector<Finding>& findings) {
@@ -24,7 +25,9 @@ Fate fateOf(const TrueEffect& effect, const std::vector<Finding>& findings) {
     fate.right_place = fate.right_place || there;
     fate.unknown_there = fate.unknown_there || unknown;
     fate.unknown_driver = fate.unknown_driver || (unknown && finding.driver == effect.driver);
-    fate.among = fate.among || right || std::any_of(finding.alternatives.begin(), finding.alternatives.end(), [&](const Named& other) { return effect.is(other.place()); });
+    fate.among = fate.among || right || std::any_of(finding.alternatives.begin(), finding.alternatives.end(), [&](const Named& other) {
+                   return effect.is(other.place());
+                 });
   }
   return fate;
 }
@@ -40,11 +43,13 @@ Verdict judge(const Truth& truth, const Answer& answer) {
   for (const TrueEffect& effect : truth.effects) verdict.fates.push_back(fateOf(effect, findings));
   for (const Finding& finding : findings) {
     verdict.said.push_back(finding.place());
-    const bool there = std::any_of(truth.effects.begin(), truth.effects.end(), [&](const TrueEffect& effect) { return effect.is(finding.place()); });
+    const bool there =
+        std::any_of(truth.effects.begin(), truth.effects.end(), [&](const TrueEffect& effect) { return effect.is(finding.place()); });
     if (!there && finding.effect != kUnknown) ++verdict.wrong_names;
     if (finding.effect != kUnknown) verdict.stated.push_back({finding.probability, there});
     for (const Named& other : finding.alternatives) {
-      const bool true_ = std::any_of(truth.effects.begin(), truth.effects.end(), [&](const TrueEffect& effect) { return effect.is(other.place()); });
+      const bool true_ =
+          std::any_of(truth.effects.begin(), truth.effects.end(), [&](const TrueEffect& effect) { return effect.is(other.place()); });
       if (!there && other.effect != kUnknown) verdict.stated.push_back({other.probability, true_});
     }
   }

@@ -19,15 +19,31 @@ struct Noise {
 /// Joint repeatability in the joint's unit.
 double repeatabilityOf(const Joint& joint, const Noise& noise);
 
-/// The corners of a capture, to first order, less all that errors of geometry can do to them: six numbers for the frame of every joint, six
-/// for the camera and six for the target on the flange; their span is found by QR with column pivoting.
+/// Derivatives of all corners [px] by what identification can change: six numbers for the frame of every joint, six for the camera, six for
+/// the target on the flange; with lens_too also focal length (relative), principal point, k1 and k2, the last five columns.
+Eigen::MatrixXd geometryColumns(const Cell& cell, const std::vector<Shot>& shots, bool lens_too);
+constexpr Eigen::Index kLensColumns = 5;
+
+/// What each scalable parameter of a flaw does to the corners at its usual size [px].
+Eigen::MatrixXd flawColumns(const Cell& cell, const std::vector<Shot>& shots, const Flaw& flaw);
+
+/// Lower Cholesky factor of the covariance of each shot's corners.
+std::vector<Eigen::MatrixXd> noiseFactors(const Cell& cell, const std::vector<Shot>& shots, const Noise& noise);
+/// Columns of corners, each shot's part divided by its factor.
+Eigen::MatrixXd whiten(Eigen::MatrixXd columns, const std::vector<Eigen::MatrixXd>& factors);
+
+/// Factors that bring columns to length 1; 0 for those that are rounding errors of the longest.
+Eigen::VectorXd columnScales(const Eigen::MatrixXd& columns);
+constexpr double kRankTolerance = 1e-7;  ///< of columns of length 1
+
+/// The corners of a capture, to first order, less all that errors of geometry can do to them (geometryColumns); the span of those is found
+/// by QR with column pivoting.
 ///
 ///   S(effect) = | (I - Q Q^T) W effect |,  W^T W = inverse covariance of the noise
 ///
 /// is the square root of the chi-square that the effect leaves after identification.
 class Leftover {
  public:
-  /// @param lens_too  focal length, principal point, k1 and k2 are identified as well.
   Leftover(const Cell& cell, const std::vector<Shot>& shots, const Noise& noise, bool lens_too);
 
   /// Corners with the flaws minus corners without, whitened, less what geometry explains.
@@ -38,19 +54,15 @@ class Leftover {
   /// What is left of `effect` (as left() gives it) when these columns may explain it as well.
   static Eigen::VectorXd besides(const Eigen::VectorXd& effect, const Eigen::MatrixXd& columns);
 
-  Eigen::VectorXd whitened(const Eigen::VectorXd& pixels) const;
-  Eigen::MatrixXd withoutGeometry(Eigen::MatrixXd whitened_columns) const;
-  /// What one unit of each joint's error moves, whitened but not projected.
-  const Eigen::MatrixXd& jointColumns() const { return joint_columns_; }
-  const Eigen::VectorXd& still() const { return still_; }  ///< corners without flaws
+  /// Any difference of corners, whitened, less what geometry explains.
+  Eigen::MatrixXd withoutGeometry(const Eigen::MatrixXd& pixels) const;
   Eigen::Index rank() const { return span_.cols(); }
 
  private:
   const Cell& cell_;
   const std::vector<Shot>& shots_;
-  Eigen::VectorXd still_;
-  std::vector<Eigen::MatrixXd> factors_;  ///< lower Cholesky factor of each shot's covariance
-  Eigen::MatrixXd joint_columns_;
+  Eigen::VectorXd still_;  ///< corners without flaws
+  std::vector<Eigen::MatrixXd> factors_;
   Eigen::MatrixXd span_;  ///< orthonormal columns
 };
 

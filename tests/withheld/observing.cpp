@@ -13,6 +13,7 @@ constexpr std::size_t kUnseen = 60;
 std::vector<Flaw> flawsOf(const Case& made) {
   std::vector<Flaw> flaws;
   for (const Hidden& hidden : made.hidden) flaws.push_back(hidden.flaw);
+  if (made.unfindable) flaws.push_back(*made.unfindable);
   return flaws;
 }
 
@@ -24,7 +25,8 @@ std::vector<Shot> atRest(const Case& made, Chance& chance) {
     Eigen::VectorXd& off = rest[shot.pose];
     if (off.size() == 0) {
       off.resize(shot.q.size());
-      for (Eigen::Index k = 0; k < off.size(); ++k) off[k] = chance.normal(repeatabilityOf(made.actual.arm.joints[static_cast<std::size_t>(k)], made.noise));
+      for (Eigen::Index k = 0; k < off.size(); ++k)
+        off[k] = chance.normal(repeatabilityOf(made.actual.arm.joints[static_cast<std::size_t>(k)], made.noise));
     }
     shot.q += off;
   }
@@ -40,7 +42,8 @@ void makeWild(Case& made, std::vector<Eigen::VectorXd>& pixels, double share, Ch
       pixels[i] = right[(i + 1 + chance.index(right.size() - 1)) % right.size()];
     } else {
       const double length = chance.scale(5.0, 50.0), heading = chance.between(0.0, 2.0 * KDL::PI);
-      for (Eigen::Index c = 0; c < pixels[i].size(); c += 2) pixels[i].segment<2>(c) += length * Eigen::Vector2d(std::cos(heading), std::sin(heading));
+      for (Eigen::Index c = 0; c < pixels[i].size(); c += 2)
+        pixels[i].segment<2>(c) += length * Eigen::Vector2d(std::cos(heading), std::sin(heading));
     }
     made.wild.push_back(made.shots[i].image);
   }
@@ -73,7 +76,9 @@ void observe(Case& made, const Disorder& disorder, Chance& chance) {
     }
   }
   made.unseen = drawUnseen(made.actual, made.shots, kUnseen, chance);
-  made.unseen_corners = corners(made.actual, made.unseen, flaws);
+  std::vector<Flaw> predictable = flaws;
+  std::erase_if(predictable, [](const Flaw& flaw) { return flaw.at_random; });
+  made.unseen_corners = corners(made.actual, made.unseen, predictable);
 }
 
 }  // namespace withheld

@@ -5,11 +5,12 @@
 
 namespace withheld {
 
-/// Fills sightings, wild, missing of a case, and the corners of its unseen poses (without noise).
-/// @param scatter_joint, scatter  a joint (from 0) that comes to rest anywhere within this much [rad or m, 1 sigma]; 0: none does.
+/// Share of rows whose joints and picture do not belong together, and of tags that are not seen.
 struct Disorder {
   double wild_share = 0.0, missing_share = 0.0;
 };
+
+/// Fills sightings, wild and missing of a case, its unseen poses and their corners without noise.
 void observe(Case& made, const Disorder& disorder, Chance& chance);
 
 }  // namespace withheld

@@ -24,7 +24,8 @@ double seconds(const timeval& time) { return static_cast<double>(time.tv_sec) + 
 bool runOnce(const std::string& poecal, const std::string& command, const fs::path& folder, const fs::path& out, const fs::path& result) {
   if (fs::exists(result)) return true;
   fs::create_directories(out);
-  const Run run = runProgram({poecal, command, (folder / "capture").string(), "--out", out.string(), "--quiet", "--jobs", "1"}, out / "log");
+  const Run run =
+      runProgram({poecal, command, (folder / "capture").string(), "--out", out.string(), "--quiet", "--jobs", "1"}, out / "log");
   std::ofstream(out / "seconds") << run.seconds << '\n';
   return run.status == 0 && fs::exists(result);
 }
@@ -44,7 +45,8 @@ std::map<std::string, Pixel> readCorners(const fs::path& file) {
   while (std::getline(in, line)) {
     std::istringstream cells(line);
     std::string image, tag, corner, u, v;
-    std::getline(cells, image, ',') && std::getline(cells, tag, ',') && std::getline(cells, corner, ',') && std::getline(cells, u, ',') && std::getline(cells, v, ',');
+    std::getline(cells, image, ',') && std::getline(cells, tag, ',') && std::getline(cells, corner, ',') && std::getline(cells, u, ',') &&
+        std::getline(cells, v, ',');
     corners[image + ',' + tag + ',' + corner] = {std::stod(u), std::stod(v)};
   }
   return corners;
@@ -90,7 +92,9 @@ std::optional<double> rmsOnUnseen(const std::string& poecal, const fs::path& fol
   const fs::path model = folder / out / "model.yaml", predicted = folder / out / "unseen.csv";
   if (!fs::exists(predicted)) {
     if (!fs::exists(model)) return std::nullopt;
-    const Run run = runProgram({poecal, "predict", (folder / "unseen").string(), "--model", model.string(), "--out", predicted.string(), "--quiet"}, folder / out / "predict.log");
+    const Run run =
+        runProgram({poecal, "predict", (folder / "unseen").string(), "--model", model.string(), "--out", predicted.string(), "--quiet"},
+                   folder / out / "predict.log");
     if (run.status != 0 || !fs::exists(predicted)) return std::nullopt;
   }
   const std::map<std::string, Pixel> expected = readCorners(predicted);

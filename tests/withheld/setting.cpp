@@ -24,13 +24,18 @@ Lens drawLens(Chance& chance) {
 
 std::vector<Tag> drawTags(bool several) {
   if (!several) return {{7, 0.08, Vector::Zero()}};
-  return {{10, 0.06, Vector(-0.04, -0.04, 0.0)}, {11, 0.06, Vector(0.04, -0.04, 0.0)}, {12, 0.06, Vector(-0.04, 0.04, 0.0)}, {13, 0.06, Vector(0.04, 0.04, 0.0)}};
+  return {{10, 0.06, Vector(-0.04, -0.04, 0.0)},
+          {11, 0.06, Vector(0.04, -0.04, 0.0)},
+          {12, 0.06, Vector(-0.04, 0.04, 0.0)},
+          {13, 0.06, Vector(0.04, 0.04, 0.0)}};
 }
 
 /// On a bracket: turned about the flange's axis, leant over, its front away from the flange.
 Frame drawGrip(Chance& chance) {
-  const Rotation turned = Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)) * Rotation::RotX(chance.between(0.0, 0.6)) * Rotation::RotX(KDL::PI);
-  return {turned * Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)), Vector(chance.normal(0.03), chance.normal(0.03), chance.between(0.03, 0.12))};
+  const Rotation turned =
+      Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)) * Rotation::RotX(chance.between(0.0, 0.6)) * Rotation::RotX(KDL::PI);
+  return {turned * Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)),
+          Vector(chance.normal(0.03), chance.normal(0.03), chance.between(0.03, 0.12))};
 }
 
 }  // namespace

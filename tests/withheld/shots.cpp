@@ -8,9 +8,9 @@
 namespace withheld {
 namespace {
 
-constexpr double kMargin = 25.0;        // of the picture that stays empty [px]
-constexpr double kShortestEdge = 45.0;  // of a tag in the picture [px]
-constexpr double kFacing = 0.5;         // cosine between the tag's normal and the line of sight
+constexpr double kMargin = 25.0;                   // of the picture that stays empty [px]
+constexpr double kShortestEdge = 45.0;             // of a tag in the picture [px]
+constexpr double kFacing = 0.5;                    // cosine between the tag's normal and the line of sight
 constexpr double kNearest = 0.5, kFarthest = 2.3;  // [m]
 constexpr int kMostTries = 40000;
 constexpr double kSmallestShare = 0.02;  // of random poses that show the target, for a camera to be well placed

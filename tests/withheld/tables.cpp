@@ -39,8 +39,8 @@ double leastS(const Scored& scored) {
 
 std::string share(std::size_t hits, std::size_t of) {
   const Interval interval = wilson(hits, of);
-  return fmt::format("{:.1f} % ({}/{}; {:.1f} to {:.1f})", of ? 100.0 * static_cast<double>(hits) / static_cast<double>(of) : 0.0, hits, of, 100.0 * interval.low,
-                     100.0 * interval.high);
+  return fmt::format("{:.1f} % ({}/{}; {:.1f} to {:.1f})", of ? 100.0 * static_cast<double>(hits) / static_cast<double>(of) : 0.0, hits, of,
+                     100.0 * interval.low, 100.0 * interval.high);
 }
 
 double quantile(std::vector<double> values, double q) {
@@ -49,8 +49,12 @@ double quantile(std::vector<double> values, double q) {
   return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-bool allRight(const Scored& s) { return std::all_of(s.verdict.fates.begin(), s.verdict.fates.end(), [](const Fate& fate) { return fate.right; }); }
-bool allAmong(const Scored& s) { return std::all_of(s.verdict.fates.begin(), s.verdict.fates.end(), [](const Fate& fate) { return fate.among; }); }
+bool allRight(const Scored& s) {
+  return std::all_of(s.verdict.fates.begin(), s.verdict.fates.end(), [](const Fate& fate) { return fate.right; });
+}
+bool allAmong(const Scored& s) {
+  return std::all_of(s.verdict.fates.begin(), s.verdict.fates.end(), [](const Fate& fate) { return fate.among; });
+}
 bool anyFinding(const Scored& s) { return s.verdict.findings > 0; }
 bool noFinding(const Scored& s) { return s.verdict.findings == 0; }
 bool wrongName(const Scored& s) { return s.verdict.wrong_names > 0; }
@@ -73,16 +77,20 @@ void addSingles(Figures& figures, const std::vector<Scored>& cases, const std::s
     double low, high;
     const char *name, *right, *wrong;
   };
-  for (const Bin& bin : {Bin{5, 8, "S 5 to 8", ">= 85 %", ""}, Bin{8, 12, "S 8 to 12", ">= 97 %", "<= 1 %"}, Bin{12, 1e9, "S above 12", ">= 99 %", "<= 1 %"}}) {
+  for (const Bin& bin : {Bin{5, 8, "S 5 to 8", ">= 85 %", ""}, Bin{8, 12, "S 8 to 12", ">= 97 %", "<= 1 %"},
+                         Bin{12, 1e9, "S above 12", ">= 99 %", "<= 1 %"}}) {
     const Cases inside = select(cases, [&](const Scored& s) { return s.truth.set == set && leastS(s) >= bin.low && leastS(s) < bin.high; });
     const auto asked = [&](const char* question) { return fmt::format("{}, {}", bin.name, question); };
     const bool tidy = set == "single";
     figures.add(set, asked("right effect and place"), inside, allRight, tidy ? bin.right : ">= 95 %");
     figures.add(set, asked("true one among finding and alternatives"), inside, allAmong, ">= 95 %");
     figures.add(set, asked("wrongly named"), inside, wrongName, tidy ? bin.wrong : "");
-    figures.add(set, asked("called unknown, right place"), inside, [](const Scored& s) { return s.verdict.fates[0].unknown_there && !allRight(s); }, "");
+    figures.add(
+        set, asked("called unknown, right place"), inside, [](const Scored& s) { return s.verdict.fates[0].unknown_there && !allRight(s); },
+        "");
     figures.add(set, asked("missed"), inside, noFinding, "");
-    figures.add(set, asked("no second finding"), inside, [](const Scored& s) { return !extra(s); }, ">= 98 %");
+    figures.add(
+        set, asked("no second finding"), inside, [](const Scored& s) { return !extra(s); }, ">= 98 %");
   }
 }
 
@@ -94,11 +102,15 @@ std::string figuresOf(const std::vector<Scored>& cases) {
   addSingles(figures, cases, "untidy-single");
   const Cases pairs = ofSet(cases, "pairs");
   figures.add("pairs", "both right", pairs, allRight, ">= 92 %");
-  figures.add("pairs", "at least one right", pairs, [](const Scored& s) { return s.verdict.fates[0].right || s.verdict.fates[1].right; }, "");
-  figures.add("pairs", "false extra", pairs, [](const Scored& s) { return extra(s) || wrongName(s); }, "<= 3 %");
+  figures.add(
+      "pairs", "at least one right", pairs, [](const Scored& s) { return s.verdict.fates[0].right || s.verdict.fates[1].right; }, "");
+  figures.add(
+      "pairs", "false extra", pairs, [](const Scored& s) { return extra(s) || wrongName(s); }, "<= 3 %");
   const Cases outside = ofSet(cases, "outside");
-  figures.add("outside", "unknown at the right place", outside, [](const Scored& s) { return s.verdict.fates[0].unknown_there; }, ">= 92 %");
-  figures.add("outside", "and the right driver", outside, [](const Scored& s) { return s.verdict.fates[0].unknown_driver; }, ">= 85 %");
+  figures.add(
+      "outside", "unknown at the right place", outside, [](const Scored& s) { return s.verdict.fates[0].unknown_there; }, ">= 92 %");
+  figures.add(
+      "outside", "and the right driver", outside, [](const Scored& s) { return s.verdict.fates[0].unknown_driver; }, ">= 85 %");
   figures.add("outside", "wrongly named", outside, wrongName, "<= 3 %");
   figures.add("outside", "second finding", outside, extra, "none");
   figures.add("outside", "missed", outside, noFinding, "");
@@ -108,15 +120,19 @@ std::string figuresOf(const std::vector<Scored>& cases) {
   const Cases scale = ofSet(cases, "scale");
   figures.add("scale", "target_scale", scale, allRight, ">= 95 %");
   constexpr double kSizeWithin = 0.003;
-  figures.add("scale", "and its size within 0.3 %", scale, [](const Scored& s) {
-    return std::any_of(s.answer.findings.begin(), s.answer.findings.end(), [&](const Finding& f) {
-      return f.effect == "target_scale" && f.size && std::abs(*f.size - s.truth.effects[0].size) <= kSizeWithin;
-    });
-  }, ">= 95 %");
+  figures.add(
+      "scale", "and its size within 0.3 %", scale,
+      [](const Scored& s) {
+        return std::any_of(s.answer.findings.begin(), s.answer.findings.end(), [&](const Finding& f) {
+          return f.effect == "target_scale" && f.size && std::abs(*f.size - s.truth.effects[0].size) <= kSizeWithin;
+        });
+      },
+      ">= 95 %");
   figures.add("scale", "a finding of another name", scale, wrongName, "");
   const Cases silent = ofSet(cases, "unobservable");
   figures.add("unobservable", "nothing claimed", silent, noFinding, "100 %");
-  figures.add("unobservable", "listed as not testable", silent, [](const Scored& s) { return s.verdict.silent_listed; }, "100 %");
+  figures.add(
+      "unobservable", "listed as not testable", silent, [](const Scored& s) { return s.verdict.silent_listed; }, "100 %");
   return figures.text();
 }
 
@@ -130,23 +146,26 @@ std::string byEffect(const std::vector<Scored>& cases, const std::string& set) {
   for (const Scored* scored : ofSet(cases, set)) {
     const TrueEffect& effect = scored->truth.effects[0];
     const Fate& fate = scored->verdict.fates[0];
+    const bool right = set == "outside" ? fate.unknown_there : fate.right;
     Row& row = rows[effect.effect];
     ++row.of;
-    row.right += fate.right ? 1 : 0;
-    row.driver += fate.right_driver ? 1 : 0;
+    row.right += right ? 1 : 0;
+    row.driver += (set == "outside" ? fate.unknown_driver : fate.right_driver) ? 1 : 0;
     row.above += effect.S >= kClear ? 1 : 0;
-    row.right_above += effect.S >= kClear && fate.right ? 1 : 0;
-    if (!fate.right) {
+    row.right_above += effect.S >= kClear && right ? 1 : 0;
+    if (!right) {
       const std::string said = scored->verdict.said.empty() ? "nothing" : scored->verdict.said.front();
       ++row.instead[said.substr(0, said.find('@')) + (fate.right_place ? " there" : "")];
     }
   }
   if (rows.empty()) return "";
-  std::string text = fmt::format("\n{}, effect by effect:\n\n| effect | right | S >= 8 | right driver | said instead |\n|---|---|---|---|---|\n", set);
+  std::string text =
+      fmt::format("\n{}, effect by effect:\n\n| effect | right | S >= 8 | right driver | said instead |\n|---|---|---|---|---|\n", set);
   for (const auto& [effect, row] : rows) {
     std::vector<std::string> instead;
     for (const auto& [said, count] : row.instead) instead.push_back(fmt::format("{} {}", count, said));
-    text += fmt::format("| {} | {}/{} | {}/{} | {}/{} | {} |\n", effect, row.right, row.of, row.right_above, row.above, row.driver, row.of, fmt::join(instead, ", "));
+    text += fmt::format("| {} | {}/{} | {}/{} | {}/{} | {} |\n", effect, row.right, row.of, row.right_above, row.above, row.driver, row.of,
+                        fmt::join(instead, ", "));
   }
   return text;
 }
@@ -198,12 +217,14 @@ std::string shrinkage(const std::vector<Scored>& cases) {
   }
   std::string text;
   if (!differences.empty()) {
-    text += fmt::format("\nShrinkage claimed against measured on corners never shown: inside the interval {} (wanted >= 90 %), median difference {:.3f}.\n",
-                        share(inside, differences.size()), quantile(differences, 0.5));
+    text += fmt::format(
+        "\nShrinkage claimed against measured on corners never shown: inside the interval {} (wanted >= 90 %), median difference {:.3f}.\n",
+        share(inside, differences.size()), quantile(differences, 0.5));
   }
   if (!beyond_oracle.empty()) {
-    text += fmt::format("What is left over what a fit leaves that is told the effect, S above 12: median {:.3f}, 90 % below {:.3f}; within 10 % {}.\n", quantile(beyond_oracle, 0.5),
-                        quantile(beyond_oracle, 0.9), share(near_oracle, beyond_oracle.size()));
+    text += fmt::format(
+        "What is left over what a fit leaves that is told the effect, S above 12: median {:.3f}, 90 % below {:.3f}; within 10 % {}.\n",
+        quantile(beyond_oracle, 0.5), quantile(beyond_oracle, 0.9), share(near_oracle, beyond_oracle.size()));
   }
   return text;
 }
@@ -217,8 +238,10 @@ std::string times(const std::vector<Scored>& cases) {
     if (s.truth.shots >= 70 && s.truth.shots <= 90) at80.push_back(s.seconds);
   }
   if (seconds.empty()) return "";
-  return fmt::format("\nProcessor time of a case: median {:.2f} s, longest {:.2f} s; of 70 to 90 poses median {:.2f} s; in runs of `identify` median {:.1f}, most {:.1f}.\n",
-                     quantile(seconds, 0.5), quantile(seconds, 1.0), quantile(at80, 0.5), quantile(fits, 0.5), quantile(fits, 1.0));
+  return fmt::format(
+      "\nProcessor time of a case: median {:.2f} s, longest {:.2f} s; of 70 to 90 poses median {:.2f} s; in runs of `identify` median "
+      "{:.1f}, most {:.1f}.\n",
+      quantile(seconds, 0.5), quantile(seconds, 1.0), quantile(at80, 0.5), quantile(fits, 0.5), quantile(fits, 1.0));
 }
 
 /// Every case whose answer is not what it should be, for whoever wants to look at it.
@@ -226,12 +249,17 @@ std::string wrongAnswers(const std::vector<Scored>& cases) {
   std::string text;
   for (const Scored& s : cases) {
     const bool strange = s.truth.set == "outside";
-    const bool good = s.answered && s.verdict.extras == 0 && s.verdict.wrong_names == 0 && (strange ? s.verdict.fates[0].unknown_there : allRight(s));
+    const bool good =
+        s.answered && s.verdict.extras == 0 && s.verdict.wrong_names == 0 && (strange ? s.verdict.fates[0].unknown_there : allRight(s));
     if (good) continue;
     std::vector<std::string> is;
-    for (const TrueEffect& effect : s.truth.effects) is.push_back(fmt::format("{} ({}, S {:.1f})", placeName(effect.effect, effect.location), effect.driver, effect.S));
-    text += fmt::format("| {} | {} | {} |\n", (s.truth.folder.parent_path().filename() / s.truth.folder.filename()).string(), is.empty() ? "nothing" : fmt::format("{}", fmt::join(is, ", ")),
-                        !s.answered ? "no answer" : s.verdict.said.empty() ? "nothing" : fmt::format("{}", fmt::join(s.verdict.said, ", ")));
+    for (const TrueEffect& effect : s.truth.effects)
+      is.push_back(fmt::format("{} ({}, S {:.1f})", placeName(effect.effect, effect.location), effect.driver, effect.S));
+    text += fmt::format("| {} | {} | {} |\n", (s.truth.folder.parent_path().filename() / s.truth.folder.filename()).string(),
+                        is.empty() ? "nothing" : fmt::format("{}", fmt::join(is, ", ")),
+                        !s.answered              ? "no answer"
+                        : s.verdict.said.empty() ? "nothing"
+                                                 : fmt::format("{}", fmt::join(s.verdict.said, ", ")));
   }
   return text.empty() ? "" : "\n| case | is | said |\n|---|---|---|\n" + text;
 }
@@ -249,8 +277,8 @@ Interval wilson(std::size_t hits, std::size_t of) {
 std::string tables(const std::vector<Scored>& cases) {
   const auto unanswered = static_cast<std::size_t>(std::count_if(cases.begin(), cases.end(), [](const Scored& s) { return !s.answered; }));
   std::string text = fmt::format("{} cases, {} without an answer.\n\n", cases.size(), unanswered);
-  return text + figuresOf(cases) + calibration(cases) + shrinkage(cases) + times(cases) + byEffect(cases, "single") + byEffect(cases, "untidy-single") +
-         byEffect(cases, "outside") + wrongAnswers(cases);
+  return text + figuresOf(cases) + calibration(cases) + shrinkage(cases) + times(cases) + byEffect(cases, "single") +
+         byEffect(cases, "untidy-single") + byEffect(cases, "outside") + wrongAnswers(cases);
 }
 
 }  // namespace withheld
