@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,6 +54,7 @@ struct Case {
   std::optional<Flaw> unfindable;   ///< there, but nothing can show it
   std::vector<std::string> silent;  ///< "effect@location" of it where the contract's table has it: to be listed as not testable
   std::optional<double> oracle_px;  ///< see oracle.hpp
+  std::map<std::string, std::vector<std::string>> baselines;  ///< see baselines.hpp
   std::vector<Shot> unseen;
   Eigen::VectorXd unseen_corners;
 };

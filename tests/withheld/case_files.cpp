@@ -174,6 +174,7 @@ nlohmann::ordered_json truth(const Case& made) {
   json["wild"] = made.wild;
   json["missing"] = made.missing;
   if (made.oracle_px) json["oracle_px"] = *made.oracle_px;
+  if (!made.baselines.empty()) json["baselines"] = made.baselines;
   return json;
 }
 

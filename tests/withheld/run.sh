@@ -12,6 +12,8 @@ apps/build.sh release poecal_app withheld_world withheld_score
 echo "seed $seed, cases in $folder"
 programs=build/release/tests/withheld
 for set in single clean untidy untidy-single pairs outside scatter scale unobservable; do
-  "$programs/withheld_world" --set "$set" --cases "$cases" --seed "$seed" --out "$folder/$set" --jobs "$(nproc)"
+  compare=()
+  case $set in single | clean | pairs | outside) compare=(--baselines) ;; esac
+  "$programs/withheld_world" --set "$set" --cases "$cases" --seed "$seed" --out "$folder/$set" --jobs "$(nproc)" "${compare[@]}"
 done
 "$programs/withheld_score" "$folder" --poecal build/release/apps/poecal/poecal --jobs "$(nproc)" --table "$folder/table.md"

@@ -244,6 +244,41 @@ std::string times(const std::vector<Scored>& cases) {
       quantile(seconds, 0.5), quantile(seconds, 1.0), quantile(at80, 0.5), quantile(fits, 0.5), quantile(fits, 1.0));
 }
 
+/// What simple diagnoses would have said, beside what poecal says, of the cases that they were asked of.
+std::string comparison(const std::vector<Scored>& cases) {
+  std::map<std::string, std::vector<Scored>> by_program;
+  for (const Scored& scored : cases) {
+    if (scored.truth.baselines.empty()) continue;
+    by_program["poecal"].push_back(scored);
+    for (const auto& [name, places] : scored.truth.baselines) {
+      Answer answer;
+      for (const std::string& place : places) {
+        Finding finding;
+        finding.effect = place.substr(0, place.find('@'));
+        finding.location = place.substr(place.find('@') + 1);
+        answer.findings.push_back(finding);
+      }
+      by_program[name].push_back({scored.truth, judge(scored.truth, answer), answer, true});
+    }
+  }
+  if (by_program.empty()) return "";
+  std::string text =
+      "\n| diagnosis | single, S above 8: right | and nothing else | clean: alarm | pairs: both right | outside: wrongly named "
+      "|\n|---|---|---|---|---|---|\n";
+  for (const auto& [name, scored] : by_program) {
+    const Cases singles = select(scored, [](const Scored& s) { return s.truth.set == "single" && leastS(s) >= 8.0; });
+    const auto shareOf = [](const Cases& some, const Test& test) {
+      return some.empty() ? std::string("-")
+                          : fmt::format("{:.1f} %", 100.0 * static_cast<double>(countOf(some, test)) / static_cast<double>(some.size()));
+    };
+    text +=
+        fmt::format("| {} | {} | {} | {} | {} | {} |\n", name, shareOf(singles, allRight),
+                    shareOf(singles, [](const Scored& s) { return allRight(s) && !extra(s); }), shareOf(ofSet(scored, "clean"), anyFinding),
+                    shareOf(ofSet(scored, "pairs"), allRight), shareOf(ofSet(scored, "outside"), wrongName));
+  }
+  return text;
+}
+
 /// Every case whose answer is not what it should be, for whoever wants to look at it.
 std::string wrongAnswers(const std::vector<Scored>& cases) {
   std::string text;
@@ -277,7 +312,7 @@ Interval wilson(std::size_t hits, std::size_t of) {
 std::string tables(const std::vector<Scored>& cases) {
   const auto unanswered = static_cast<std::size_t>(std::count_if(cases.begin(), cases.end(), [](const Scored& s) { return !s.answered; }));
   std::string text = fmt::format("{} cases, {} without an answer.\n\n", cases.size(), unanswered);
-  return text + figuresOf(cases) + calibration(cases) + shrinkage(cases) + times(cases) + byEffect(cases, "single") +
+  return text + figuresOf(cases) + calibration(cases) + comparison(cases) + shrinkage(cases) + times(cases) + byEffect(cases, "single") +
          byEffect(cases, "untidy-single") + byEffect(cases, "outside") + wrongAnswers(cases);
 }
 

@@ -40,6 +40,7 @@ Truth readTruth(const std::filesystem::path& file) {
   truth.shots = json.at("shots").get<std::size_t>();
   truth.wild = json.at("wild").get<std::vector<std::string>>();
   truth.silent = json.at("silent").get<std::vector<std::string>>();
+  if (json.contains("baselines")) truth.baselines = json["baselines"].get<std::map<std::string, std::vector<std::string>>>();
   if (json.contains("oracle_px")) truth.oracle_px = json["oracle_px"].get<double>();
   for (const nlohmann::json& effect : json.at("effects")) {
     TrueEffect one;

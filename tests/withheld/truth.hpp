@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,8 @@ struct Truth {
   std::vector<std::string> silent;
   std::vector<std::string> wild;
   std::size_t shots = 0;
-  std::optional<double> oracle_px;  ///< rms on the unseen corners of a fit that is told the effects
+  std::optional<double> oracle_px;                            ///< rms on the unseen corners of a fit that is told the effects
+  std::map<std::string, std::vector<std::string>> baselines;  ///< places that simple diagnoses name
 };
 
 /// @throws std::runtime_error, nlohmann::json::exception

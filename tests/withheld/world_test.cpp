@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 
+#include "withheld/baselines.hpp"
 #include "withheld/case.hpp"
 #include "withheld/choice.hpp"
 #include "withheld/listed_flaws.hpp"
@@ -116,6 +117,13 @@ TEST(Corners, OfEdgesThatMoveOutLieOnParallelEdges) {
     EXPECT_THAT(std::abs(normal.dot(moved.segment<2>(2 * i) - a)), DoubleNear(0.7, 1e-9));
     EXPECT_THAT(std::abs(normal.dot(moved.segment<2>(2 * ((i + 1) % 4)) - a)), DoubleNear(0.7, 1e-9));
   }
+}
+
+TEST(LogChiSquareTail, HasTheKnownValues) {
+  // Two degrees: exp(-x / 2). One: erfc(sqrt(x / 2)).
+  EXPECT_NEAR(logChiSquareTail(3000.0, 2.0), -1500.0, 1e-9);
+  EXPECT_NEAR(logChiSquareTail(0.5, 2.0), -0.25, 1e-12);
+  for (const double x : {0.3, 2.5, 40.0}) EXPECT_NEAR(logChiSquareTail(x, 1.0), std::log(std::erfc(std::sqrt(x / 2.0))), 1e-10);
 }
 
 TEST(Cases, AreTheSameForASeedAndOthersForAnother) {
