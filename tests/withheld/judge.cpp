@@ -32,6 +32,16 @@ Fate fateOf(const TrueEffect& effect, const std::vector<Finding>& findings) {
   return fate;
 }
 
+/// What was stated of a finding; a right one's aliases are the same statement.
+double probabilityOf(const Finding& finding, const Truth& truth) {
+  double probability = finding.probability;
+  for (const TrueEffect& effect : truth.effects) {
+    if (!effect.is(finding.place())) continue;
+    for (const Named& other : finding.alternatives) probability += effect.is(other.place()) ? other.probability : 0.0;
+  }
+  return probability;
+}
+
 }  // namespace
 
 Verdict judge(const Truth& truth, const Answer& answer) {
@@ -46,12 +56,7 @@ Verdict judge(const Truth& truth, const Answer& answer) {
     const bool there =
         std::any_of(truth.effects.begin(), truth.effects.end(), [&](const TrueEffect& effect) { return effect.is(finding.place()); });
     if (!there && finding.effect != kUnknown) ++verdict.wrong_names;
-    if (finding.effect != kUnknown) verdict.stated.push_back({finding.probability, there});
-    for (const Named& other : finding.alternatives) {
-      const bool true_ =
-          std::any_of(truth.effects.begin(), truth.effects.end(), [&](const TrueEffect& effect) { return effect.is(other.place()); });
-      if (!there && other.effect != kUnknown) verdict.stated.push_back({other.probability, true_});
-    }
+    if (finding.effect != kUnknown) verdict.stated.push_back({probabilityOf(finding, truth), there});
   }
   verdict.extras = findings.size() > truth.effects.size() ? findings.size() - truth.effects.size() : 0;
   for (const std::string& place : truth.silent) {

@@ -48,6 +48,7 @@ Truth readTruth(const std::filesystem::path& file) {
     one.location = effect.at("location").get<std::string>();
     one.driver = effect.at("driver").get<std::string>();
     one.S = effect.at("S").get<double>();
+    one.left_by_nearest = effect.at("left_by_nearest").get<double>();
     one.aliases = effect.at("aliases").get<std::vector<std::string>>();
     if (one.effect == "target_scale") one.size = effect.at("parameters").at("scale").get<double>();
     truth.effects.push_back(one);
