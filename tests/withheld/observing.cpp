@@ -39,7 +39,10 @@ void makeWild(Case& made, std::vector<Eigen::VectorXd>& pixels, double share, Ch
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (!chance.happens(share)) continue;
     if (chance.happens(0.5)) {
-      pixels[i] = right[(i + 1 + chance.index(right.size() - 1)) % right.size()];
+      // Of another pose: a repeat's corners would belong here too.
+      std::size_t other = chance.index(right.size());
+      while (made.shots[other].pose == made.shots[i].pose) other = chance.index(right.size());
+      pixels[i] = right[other];
     } else {
       const double length = chance.scale(5.0, 50.0), heading = chance.between(0.0, 2.0 * KDL::PI);
       for (Eigen::Index c = 0; c < pixels[i].size(); c += 2)
