@@ -45,6 +45,23 @@ MeasuredCell measuredCell(const Identification& identification, const std::vecto
   return measured;
 }
 
+/// Observations that a robust fit left out by far: so wild that they would spoil the noise of all others, whatever else there is.
+std::vector<std::size_t> grosslyWild(const Identification& identification, const MeasuredCell& measured) {
+  // Mean square in units of the fit's noise: eight times as far as the arm's own effects throw a pose.
+  constexpr double kGross = 60.0;
+  const double scale = std::max(identification.adjustment.scale, 1e-12);
+  std::vector<std::size_t> wild;
+  for (std::size_t k = 0; k < measured.observations.size(); ++k) {
+    if (keptShare(identification.adjustment.weights[k]) >= 0.5) continue;
+    const std::vector<UnitResidual> units = residuals(identification.model.cell, measured.observations[k]);
+    double squares = 0.0;
+    for (const UnitResidual& unit : units) squares += unit.squared_norm;
+    const double numbers = static_cast<double>(units.size()) * measured.observations[k].unitSize();
+    if (!(squares < kGross * scale * scale * numbers)) wild.push_back(k);
+  }
+  return wild;
+}
+
 ModelState identifiedState(const Identification& identification, const MeasuredCell& measured) {
   CellState state(measured.start, measured.free);
   state.cell = identification.model.cell;
@@ -347,7 +364,7 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
     throw InsufficientData(fmt::format("{} poses are too few to tell an effect from the arm's own geometry: at least {} are needed, 40 or more are advised",
                                        measured.groups.size(), kFewestPoses));
   }
-  const Selection selection = selectEffects(measured, identifiedState(identification, measured), other_columns);
+  const Selection selection = selectEffects(measured, identifiedState(identification, measured), grosslyWild(identification, measured), other_columns);
   Diagnosis diagnosis;
   diagnosis.log_odds = selection.base_log_odds;
   diagnosis.answers = static_cast<int>(selection.candidates.size());

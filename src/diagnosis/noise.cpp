@@ -353,6 +353,7 @@ NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& stat
     Slope slope = slopeOf(best->whitening, best->normal, best->estimate.b, components, best->estimate.theta, best->inverse);
     slope.information.diagonal().array() += damping * (slope.information.diagonal().array() + 1.0);
     Eigen::VectorXd move = slope.information.ldlt().solve(slope.gradient);
+    if (!move.allFinite()) break;
     move = move.cwiseMax(-3.0).cwiseMin(3.0);
     theta = (best->estimate.theta.array() * move.array().exp()).matrix().cwiseMax(floor);
     tolerance = updatedTolerance(measured, state, best->estimate.b, best->inverse, best->estimate.tolerance, X.cols());

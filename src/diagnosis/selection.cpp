@@ -153,7 +153,9 @@ class Selector {
     other_columns_ = other_columns;
   }
 
-  Selection run() {
+  Selection run(const std::vector<std::size_t>& wild) {
+    const std::vector<std::size_t> at_once = groupsOf(wild);
+    if (!isRunInTime(at_once)) remove(at_once);
     linear_ = refit(selection_.measured, selection_.base, {}, {}, startNoise(), {}, true);
     dropBad(kWildAtOnce);
     listCandidates();
@@ -309,11 +311,22 @@ class Selector {
     }
   }
 
+  /// Poses with a shot among some observations.
+  std::vector<std::size_t> groupsOf(const std::vector<std::size_t>& observations) const {
+    std::vector<std::size_t> groups;
+    for (std::size_t g = 0; g < selection_.measured.groups.size(); ++g) {
+      const std::vector<std::size_t>& shots = selection_.measured.groups[g];
+      const bool any = std::any_of(shots.begin(), shots.end(), [&](std::size_t k) { return std::binary_search(observations.begin(), observations.end(), k); });
+      if (any) groups.push_back(g);
+    }
+    return groups;
+  }
+
   /// Takes out poses that belong to no model. @return whether there were any.
   bool dropBad(const Wild& wild) {
     bool any = false;
     // Each round's noise no longer contains what the one before took out.
-    constexpr int kRounds = 5;
+    constexpr int kRounds = 20;
     for (int round = 0; round < kRounds; ++round) {
       const std::vector<std::size_t> bad = wildPoses(wild);
       if (bad.empty()) break;
@@ -428,8 +441,9 @@ double Ranking::probability(std::size_t answer) const {
 
 double Ranking::pValue() const { return std::min(1.0, std::exp(-log_total)); }
 
-Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns) {
-  return Selector(measured, state, other_columns).run();
+Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
+                        const std::vector<std::string>& other_columns) {
+  return Selector(measured, state, other_columns).run(wild);
 }
 
 }  // namespace poecal

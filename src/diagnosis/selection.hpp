@@ -56,8 +56,10 @@ struct Selection {
   MeasuredCell measured;                ///< without the bad ones
 };
 
-/// Searches. @param state  the identified cell. @param other_columns  names of further columns of the samples.
-Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns);
+/// Searches. @param state  the identified cell. @param wild  observations that a robust fit left out by far; they are left out from the start
+/// unless they are a run in time. @param other_columns  names of further columns of the samples.
+Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
+                        const std::vector<std::string>& other_columns);
 
 /// A state re-fitted with what was accepted, at a noise: Gauss-Newton on the exact residuals.
 /// @param groups  poses to fit; empty: all.

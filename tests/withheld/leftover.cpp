@@ -1,0 +1,149 @@
+#include "withheld/leftover.hpp"
+
+#include <Eigen/Dense>
+
+namespace withheld {
+namespace {
+
+constexpr double kStep = 1e-5;  // rad or m; central differences are then good to 1e-9 of a column
+
+Frame smallMotion(int number, double amount) {
+  Vector turn = Vector::Zero(), shift = Vector::Zero();
+  (number < 3 ? turn : shift)[number % 3] = amount;
+  return motion(turn, shift);
+}
+
+template <typename Change>
+Eigen::VectorXd difference(const Cell& cell, const std::vector<Shot>& shots, double step, const Change& change) {
+  Cell ahead = cell, behind = cell;
+  change(ahead, step);
+  change(behind, -step);
+  return (corners(ahead, shots, {}) - corners(behind, shots, {})) / (2.0 * step);
+}
+
+Eigen::MatrixXd lensColumns(const Cell& cell, const std::vector<Shot>& shots, Eigen::Index rows) {
+  Eigen::MatrixXd columns(rows, kLensColumns);
+  columns.col(0) = difference(cell, shots, 1e-3, [](Cell& c, double step) {
+    c.lens.fx *= 1.0 + step;
+    c.lens.fy *= 1.0 + step;
+  });
+  columns.col(1) = difference(cell, shots, 1.0, [](Cell& c, double step) { c.lens.cx += step; });
+  columns.col(2) = difference(cell, shots, 1.0, [](Cell& c, double step) { c.lens.cy += step; });
+  columns.col(3) = difference(cell, shots, 1e-2, [](Cell& c, double step) { c.lens.k1 += step; });
+  columns.col(4) = difference(cell, shots, 1e-2, [](Cell& c, double step) { c.lens.k2 += step; });
+  return columns;
+}
+
+}  // namespace
+
+double repeatabilityOf(const Joint& joint, const Noise& noise) { return noise.repeatability * (joint.slides ? 0.3 : 1.0); }
+
+Eigen::MatrixXd geometryColumns(const Cell& cell, const std::vector<Shot>& shots, bool lens_too) {
+  const auto n = static_cast<Eigen::Index>(cell.arm.size());
+  const auto rows = 8 * static_cast<Eigen::Index>(cell.tags.size() * shots.size());
+  Eigen::MatrixXd columns(rows, 6 * n + 12 + (lens_too ? kLensColumns : 0));
+  for (int number = 0; number < 6; ++number) {
+    for (Eigen::Index k = 0; k < n; ++k) {
+      columns.col(6 * k + number) = difference(
+          cell, shots, kStep, [&](Cell& c, double step) { moveAxis(c.arm, static_cast<std::size_t>(k), smallMotion(number, step)); });
+    }
+    columns.col(6 * n + number) =
+        difference(cell, shots, kStep, [&](Cell& c, double step) { c.T_camera_base = smallMotion(number, step) * c.T_camera_base; });
+    columns.col(6 * n + 6 + number) =
+        difference(cell, shots, kStep, [&](Cell& c, double step) { c.T_flange_target = c.T_flange_target * smallMotion(number, step); });
+  }
+  if (lens_too) columns.rightCols(kLensColumns) = lensColumns(cell, shots, rows);
+  return columns;
+}
+
+Eigen::MatrixXd flawColumns(const Cell& cell, const std::vector<Shot>& shots, const Flaw& flaw) {
+  const Eigen::VectorXd still = corners(cell, shots, {});
+  std::vector<Eigen::VectorXd> found;
+  for (std::size_t i = 0; i < flaw.parameters.size(); ++i) {
+    if (flaw.parameters[i].usual == 0.0) continue;
+    Flaw one = flaw;
+    one.scale(0.0);
+    one.parameters[i].value = flaw.parameters[i].usual;
+    found.push_back(corners(cell, shots, {one}) - still);
+  }
+  Eigen::MatrixXd columns(still.size(), static_cast<Eigen::Index>(found.size()));
+  for (std::size_t i = 0; i < found.size(); ++i) columns.col(static_cast<Eigen::Index>(i)) = found[i];
+  return columns;
+}
+
+std::vector<Eigen::MatrixXd> noiseFactors(const Cell& cell, const std::vector<Shot>& shots, const Noise& noise) {
+  const auto rows = 8 * static_cast<Eigen::Index>(cell.tags.size());
+  std::vector<Eigen::MatrixXd> factors;
+  for (const Shot& shot : shots) {
+    Eigen::MatrixXd covariance = noise.corner * noise.corner * Eigen::MatrixXd::Identity(rows, rows);
+    for (Eigen::Index a = 0; a < rows; ++a) {
+      for (Eigen::Index b = 0; b < rows; ++b) {
+        if (a / 8 == b / 8 && a % 2 == b % 2) covariance(a, b) += noise.common * noise.common;
+      }
+    }
+    for (Eigen::Index k = 0; noise.repeatability > 0.0 && k < shot.q.size(); ++k) {
+      Shot ahead = shot, behind = shot;
+      ahead.q[k] += kStep;
+      behind.q[k] -= kStep;
+      const Eigen::VectorXd moves = (corners(cell, ahead, {}) - corners(cell, behind, {})) / (2.0 * kStep);
+      const double sigma = repeatabilityOf(cell.arm.joints[static_cast<std::size_t>(k)], noise);
+      covariance += sigma * sigma * moves * moves.transpose();
+    }
+    factors.push_back(covariance.llt().matrixL());
+  }
+  return factors;
+}
+
+Eigen::MatrixXd whiten(Eigen::MatrixXd columns, const std::vector<Eigen::MatrixXd>& factors) {
+  Eigen::Index row = 0;
+  for (const Eigen::MatrixXd& factor : factors) {
+    auto part = columns.middleRows(row, factor.rows());
+    factor.triangularView<Eigen::Lower>().solveInPlace(part);
+    row += factor.rows();
+  }
+  return columns;
+}
+
+Eigen::VectorXd columnScales(const Eigen::MatrixXd& columns) {
+  constexpr double kRounding = 1e-7;
+  const Eigen::VectorXd lengths = columns.colwise().norm().transpose();
+  const double least = kRounding * lengths.maxCoeff();
+  return lengths.unaryExpr([&](double length) { return length > least ? 1.0 / length : 0.0; });
+}
+
+Leftover::Leftover(const Cell& cell, const std::vector<Shot>& shots, const Noise& noise, bool lens_too)
+    : cell_(cell), shots_(shots), still_(corners(cell, shots, {})), factors_(noiseFactors(cell, shots, noise)) {
+  Eigen::MatrixXd geometry = whiten(geometryColumns(cell, shots, lens_too), factors_);
+  geometry = geometry * columnScales(geometry).asDiagonal();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(geometry);
+  qr.setThreshold(kRankTolerance);
+  span_ = qr.householderQ() * Eigen::MatrixXd::Identity(geometry.rows(), qr.rank());
+}
+
+Eigen::MatrixXd Leftover::withoutGeometry(const Eigen::MatrixXd& pixels) const {
+  Eigen::MatrixXd columns = whiten(pixels, factors_);
+  columns -= span_ * (span_.transpose() * columns);
+  return columns;
+}
+
+Eigen::VectorXd Leftover::left(const std::vector<Flaw>& flaws) const { return withoutGeometry(corners(cell_, shots_, flaws) - still_); }
+
+Eigen::MatrixXd Leftover::columns(const Flaw& flaw) const { return withoutGeometry(flawColumns(cell_, shots_, flaw)); }
+
+Eigen::VectorXd Leftover::besides(const Eigen::VectorXd& effect, const Eigen::MatrixXd& columns) {
+  // Columns that are next to nothing would fit rounding errors.
+  constexpr double kLeast = 1e-5;
+  Eigen::MatrixXd scaled(columns.rows(), 0);
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    const double length = columns.col(i).norm();
+    if (length < kLeast) continue;
+    scaled.conservativeResize(Eigen::NoChange, scaled.cols() + 1);
+    scaled.rightCols(1) = columns.col(i) / length;
+  }
+  if (scaled.cols() == 0) return effect;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
+  qr.setThreshold(1e-5);
+  return effect - scaled * qr.solve(effect);
+}
+
+}  // namespace withheld

@@ -1,0 +1,68 @@
+// Does the scorer count what it says it counts?
+#include <gmock/gmock.h>
+
+#include "withheld/tables.hpp"
+
+namespace withheld {
+namespace {
+
+Finding finding(const std::string& effect, const std::string& location, const std::string& driver) {
+  Finding made;
+  made.effect = effect;
+  made.location = location;
+  made.driver = driver;
+  made.probability = 0.9;
+  return made;
+}
+
+Truth yieldingElbow() {
+  Truth truth;
+  truth.set = "single";
+  truth.effects = {{"joint_compliance", "joint:3", "tau3", 15.0, 0.0, 0.0, {"link_bending@link:2"}}};
+  return truth;
+}
+
+TEST(Judge, TakesTheEffectItsAliasAndNothingElse) {
+  EXPECT_TRUE(judge(yieldingElbow(), {{finding("joint_compliance", "joint:3", "tau3")}, {}, {}, 0, 0}).fates[0].right_driver);
+  EXPECT_TRUE(judge(yieldingElbow(), {{finding("link_bending", "link:2", "gravity")}, {}, {}, 0, 0}).fates[0].right);
+  const Verdict wrong = judge(yieldingElbow(), {{finding("joint_gain", "joint:3", "q3")}, {}, {}, 0, 0});
+  EXPECT_FALSE(wrong.fates[0].right);
+  EXPECT_TRUE(wrong.fates[0].right_place);
+  EXPECT_EQ(wrong.wrong_names, 1U);
+  EXPECT_EQ(wrong.extras, 0U);
+}
+
+TEST(Judge, KnowsTheTrueOneAmongTheAlternatives) {
+  Finding named = finding("base_compliance", "base", "gravity");
+  named.alternatives.push_back({"joint_compliance", "joint:3", 0.1});
+  const Verdict verdict = judge(yieldingElbow(), {{named}, {}, {}, 0, 0});
+  EXPECT_FALSE(verdict.fates[0].right);
+  EXPECT_TRUE(verdict.fates[0].among);
+}
+
+TEST(Judge, TakesUnknownForNoName) {
+  const Verdict verdict = judge(yieldingElbow(), {{finding("unknown", "joint:3", "tau3")}, {}, {}, 0, 0});
+  EXPECT_FALSE(verdict.fates[0].right);
+  EXPECT_TRUE(verdict.fates[0].unknown_driver);
+  EXPECT_EQ(verdict.wrong_names, 0U);
+}
+
+TEST(Judge, LetsWildRowsBeFoundWhereThereAreSome) {
+  Truth truth;
+  truth.set = "untidy";
+  const Answer answer{{finding("bad_samples", "samples", "none")}, {}, {}, 0, 0};
+  EXPECT_EQ(judge(truth, answer).findings, 1U);
+  truth.wild = {"images/0003.png"};
+  EXPECT_EQ(judge(truth, answer).findings, 0U);
+}
+
+TEST(Wilson, HasTheKnownEnds) {
+  // Agresti and Coull 1998: no success in n trials ends at z^2 / (n + z^2).
+  EXPECT_NEAR(wilson(0, 400).high, 3.8415 / 403.8415, 1e-5);
+  EXPECT_EQ(wilson(0, 400).low, 0.0);
+  EXPECT_NEAR(wilson(50, 100).low, 0.4038, 1e-4);
+  EXPECT_NEAR(wilson(50, 100).high, 0.5962, 1e-4);
+}
+
+}  // namespace
+}  // namespace withheld

@@ -1,0 +1,67 @@
+#include "withheld/setting.hpp"
+
+#include <cmath>
+
+#include "withheld/shots.hpp"
+
+namespace withheld {
+namespace {
+
+constexpr double kSeveralTags = 0.2, kRepeats = 0.15, kMoving = 0.25, kPayloads = 0.12, kMassesTold = 0.7;
+
+Lens drawLens(Chance& chance) {
+  Lens lens;
+  lens.fx = chance.between(2200.0, 2650.0);
+  lens.fy = lens.fx * chance.between(0.999, 1.001);
+  lens.cx += chance.normal(12.0);
+  lens.cy += chance.normal(12.0);
+  lens.k1 = chance.normal(0.08);
+  lens.k2 = chance.normal(0.05);
+  lens.p1 = chance.normal(4e-4);
+  lens.p2 = chance.normal(4e-4);
+  return lens;
+}
+
+std::vector<Tag> drawTags(bool several) {
+  if (!several) return {{7, 0.08, Vector::Zero()}};
+  return {{10, 0.06, Vector(-0.04, -0.04, 0.0)},
+          {11, 0.06, Vector(0.04, -0.04, 0.0)},
+          {12, 0.06, Vector(-0.04, 0.04, 0.0)},
+          {13, 0.06, Vector(0.04, 0.04, 0.0)}};
+}
+
+/// On a bracket: turned about the flange's axis, leant over, its front away from the flange.
+Frame drawGrip(Chance& chance) {
+  const Rotation turned =
+      Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)) * Rotation::RotX(chance.between(0.0, 0.6)) * Rotation::RotX(KDL::PI);
+  return {turned * Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)),
+          Vector(chance.normal(0.03), chance.normal(0.03), chance.between(0.03, 0.12))};
+}
+
+}  // namespace
+
+void drawSetting(Case& made, const Wishes& wishes, Chance& chance) {
+  made.told.arm = drawArm(chance, wishes.family.empty() ? drawFamily(chance) : wishes.family);
+  made.told.lens = drawLens(chance);
+  made.told.tags = drawTags(wishes.several_tags || chance.happens(kSeveralTags));
+  made.told.T_flange_target = drawGrip(chance);
+  placeCamera(made.told, chance);
+  made.actual = made.told;
+  made.actual.arm = withErrors(made.told.arm, {}, chance);
+  if (wishes.masses || chance.happens(kMassesTold)) made.told_masses = made.told.arm.bodies;
+
+  Columns& columns = made.columns;
+  columns.dq = wishes.dq || chance.happens(kMoving);
+  columns.stamp = wishes.stamp || chance.happens(0.9);
+  columns.dir = wishes.dir || chance.happens(0.75);
+  columns.temperature = chance.happens(0.5);
+  columns.payload = chance.happens(kPayloads);
+  columns.still_dq = !columns.dq && chance.happens(0.2);
+  columns.pose = !columns.dq && chance.happens(kRepeats);
+  const auto images = static_cast<std::size_t>(std::lround(chance.scale(40.0, 250.0)));
+  const std::size_t times = columns.pose ? 2 + chance.index(2) : 1;
+  made.shots = drawShots(made.actual, std::max<std::size_t>(30, images / times), times, columns.dq, columns.payload, chance);
+  made.noise = {chance.scale(0.05, 0.2), 0.0, 0.0};
+}
+
+}  // namespace withheld

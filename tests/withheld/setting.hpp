@@ -1,0 +1,18 @@
+// The cell, the poses and the columns of a case, before anything is wrong with them.
+#pragma once
+
+#include "withheld/case.hpp"
+
+namespace withheld {
+
+/// What a case must have for its effect to be possible.
+struct Wishes {
+  std::string family;  ///< of the arm; empty: any
+  bool stamp = false, dir = false, dq = false, several_tags = false;
+  bool masses = false;  ///< the arm's masses are told
+};
+
+/// Arm, camera, tags, poses and columns by chance; sets told, actual, columns, shots, noise.
+void drawSetting(Case& made, const Wishes& wishes, Chance& chance);
+
+}  // namespace withheld
