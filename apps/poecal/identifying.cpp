@@ -101,7 +101,7 @@ void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
       ->check(CLI::IsMember({"auto", "stated", "free"}));
 }
 
-Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions options) {
+Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions options, const RegistrationResult* registration) {
   const Capture& capture = inputs.capture;
   if (!inputs.cell.arm) {
     throw InsufficientData(fmt::format("{} has no joint readings (columns q1, q2, ...): only registration is possible (poecal measure)", capture.table.file.string()));
@@ -111,7 +111,7 @@ Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions optio
   }
   Identification identification;
   try {
-    identification = identify(inputs.cell, inputs.observations, observationGroups(inputs.observations, capture.table.samples), options);
+    identification = identify(inputs.cell, inputs.observations, observationGroups(inputs.observations, capture.table.samples), options, registration);
   } catch (const ImplausibleInput& suspicion) {
     throw FileError(capture.table.file, 1, suspicion.what());
   }
@@ -141,8 +141,9 @@ Identification identifyTable(const Arm& arm, const PoseTable& table, IdentifyOpt
   return identify(cell, observations, observationGroups(observations, samplesOf(table)), options);
 }
 
-Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out) {
-  return finish(identifyInputs(inputs, options), inputs.capture.table.samples, out);
+Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out,
+                            const RegistrationResult* registration) {
+  return finish(identifyInputs(inputs, options, registration), inputs.capture.table.samples, out);
 }
 
 Identifying identifyPoses(const Arm& arm, const PoseTable& table, const IdentifyOptions& options, const std::filesystem::path& out) {

@@ -34,15 +34,17 @@ void addIdentifyOptions(CLI::App& app, IdentifyOptions& options);
 /// Of these the arm's tolerances.
 void addToleranceOptions(CLI::App& app, IdentifyOptions& options);
 
-/// Identifies the arm of a capture. @throws InsufficientData without joint readings; else as identify().
-Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions options);
+/// Identifies the arm of a capture. @param registration  of the capture, where it was done already.
+/// @throws InsufficientData without joint readings; else as identify().
+Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions options, const RegistrationResult* registration = nullptr);
 /// Identifies an arm from poses of any instrument.
 Identification identifyTable(const Arm& arm, const PoseTable& table, IdentifyOptions options);
 /// The poses of an instrument as what identify() fits.
 std::vector<Observation> instrumentObservations(const PoseTable& table);
 
 /// Identifies the arm of a capture; writes OUT/model.yaml and OUT/identification.json.
-Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out);
+Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out,
+                            const RegistrationResult* registration = nullptr);
 
 /// Identifies an arm from poses of any instrument; writes the same files.
 Identifying identifyPoses(const Arm& arm, const PoseTable& table, const IdentifyOptions& options, const std::filesystem::path& out);

@@ -75,8 +75,8 @@ struct Judged {
 class Identifier {
  public:
   Identifier(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
-             const IdentifyOptions& options)
-      : cell_(cell), observations_(observations), groups_(groups), options_(options) {}
+             const IdentifyOptions& options, const RegistrationResult* registration)
+      : cell_(cell), observations_(observations), groups_(groups), options_(options), given_registration_(registration) {}
 
   Identification run() {
     result_.method = options_.method;
@@ -101,12 +101,13 @@ class Identifier {
     if (options_.registered) {
       closed_form_ = registered_.registration = Registration{};
     } else if (corners_) {
-      RegistrationResult registration = registerCell(cell_, observations_, {.robust = options_.robust});
+      RegistrationResult registration = given_registration_ != nullptr ? *given_registration_ : registerCell(cell_, observations_, {.robust = options_.robust});
       registered_ = registration.cell;
       closed_form_ = registration.closed_form;
       samples_ = std::move(registration.samples);
       registration_deviation_ = registration.adjustment.covariance.diagonal().cwiseSqrt();
-      for (const std::string& warning : registration.warnings) result_.warnings.push_back(warning);
+      // Whoever registered before has said what was to be said.
+      if (given_registration_ == nullptr) result_.warnings.insert(result_.warnings.end(), registration.warnings.begin(), registration.warnings.end());
     } else {
       const Adjustment registration = registerPoses(cell_, observations_, options_.robust);
       registered_ = registration.cell;
@@ -380,6 +381,7 @@ class Identifier {
   std::vector<Observation> observations_;
   const std::vector<std::vector<std::size_t>>& groups_;
   IdentifyOptions options_;
+  const RegistrationResult* given_registration_;
   Identification result_;
   bool corners_ = true;
   Cell registered_;
@@ -417,10 +419,10 @@ void IdentifyOptions::validate() const {
 }
 
 Identification identify(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
-                        const IdentifyOptions& options) {
+                        const IdentifyOptions& options, const RegistrationResult* registration) {
   options.validate();
   if (!cell.arm) throw InvalidArgument("identification needs an arm");
-  return Identifier(cell, observations, groups, options).run();
+  return Identifier(cell, observations, groups, options, registration).run();
 }
 
 std::vector<std::vector<std::size_t>> observationGroups(const std::vector<Observation>& observations, const std::vector<Sample>& samples) {

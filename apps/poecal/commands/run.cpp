@@ -1,10 +1,12 @@
 // poecal run: the main job from a capture folder to a calibrated arm.
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "identifying.hpp"
+#include "diagnosing.hpp"
 #include "measuring.hpp"
+#include "poecal/core/error.hpp"
 
 namespace poecal::app {
 namespace {
@@ -20,8 +22,25 @@ Example:
     nominal         2.885 px     11.391 mm    7.472 mrad      4.010 px     11.752 mm    9.347 mrad
     registered      2.517 px     12.418 mm    8.708 mrad      3.744 px     12.813 mm    8.934 mrad
     identified      0.053 px      0.594 mm    1.007 mrad      0.076 px      0.744 mm    1.773 mrad
-  results in out; diagnosis and report are not built yet
+  diagnosis: nothing beyond noise and geometry
+  results in out; the report is not built yet
 )";
+
+/// A capture that is too small for a diagnosis is calibrated all the same.
+void diagnoseOrSayWhyNot(const CaptureInputs& inputs, const Identification& identification, const IdentifyOptions& options,
+                         const std::filesystem::path& out, std::string& text, nlohmann::json& json) {
+  if (identification.method != Method::kBundle) {
+    text += "no diagnosis: it starts from method bundle\n";
+    return;
+  }
+  try {
+    const Diagnosing diagnosing = diagnoseCapture(inputs, identification, options, out);
+    text += diagnosing.text;
+    json["diagnose"] = diagnosing.json;
+  } catch (const InsufficientData& missing) {
+    text += fmt::format("no diagnosis: {}\n", missing.what());
+  }
+}
 
 }  // namespace
 
@@ -41,11 +60,12 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
     nlohmann::json json{{"measure", measuring.json}};
     std::string text = measuring.text;
     if (inputs.cell.arm) {
-      const Identifying identifying = identifyCapture(inputs, options->identify, options->out);
+      const Identifying identifying = identifyCapture(inputs, options->identify, options->out, &measuring.registration);
       text += identifying.text;
       json["identify"] = identifying.json;
+      diagnoseOrSayWhyNot(inputs, identifying.identification, options->identify, options->out, text, json);
     }
-    text += "results in " + options->out.string() + "; diagnosis and report are not built yet\n";
+    text += "results in " + options->out.string() + "; the report is not built yet\n";
     printSummary(common, text, json);
     return 0;
   };

@@ -97,9 +97,10 @@ struct Identification {
 ///
 /// @param cell  arm, setup, and camera where observations are corners. Its registration is ignored unless options.registered.
 /// @param groups  indices of observations that are held out together (repeat shots of one pose).
+/// @param registration  of these observations in this cell, where it was done already; otherwise it is done here.
 /// @throws InsufficientData: too few poses for the unknowns, a joint that never moved, no registration.
 Identification identify(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
-                        const IdentifyOptions& options);
+                        const IdentifyOptions& options, const RegistrationResult* registration = nullptr);
 
 /// Groups of observations by the `pose` column of their samples.
 std::vector<std::vector<std::size_t>> observationGroups(const std::vector<Observation>& observations, const std::vector<Sample>& samples);

@@ -1,0 +1,136 @@
+#include "poecal/diagnosis/diagnose.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "diagnosis/small_cell.hpp"
+#include "poecal/core/error.hpp"
+
+namespace poecal {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr int kPoses = 60;
+constexpr double kSigma = 0.1;  // [px]
+
+TEST(Diagnose, NothingIsFoundWhereNothingIs) {
+  const Diagnosis diagnosis = test::smallCell(1, kPoses, kSigma, {}).diagnosis();
+  EXPECT_THAT(diagnosis.findings, IsEmpty());
+  // 60 poses of 8 numbers, 36 unknowns: sigma is known to 3.4 %, three times that.
+  EXPECT_NEAR(diagnosis.noise_sigma, kSigma, 0.1 * kSigma);
+  EXPECT_EQ(diagnosis.shrinkage.value, 0.0);
+}
+
+struct Cause {
+  const char* name;
+  EffectSpec spec;
+  const char* parameter;
+};
+
+class EachCause : public ::testing::TestWithParam<Cause> {};
+
+TEST_P(EachCause, IsNamedWithItsSize) {
+  const Cause& cause = GetParam();
+  const Diagnosis diagnosis = test::smallCell(2, kPoses, kSigma, {cause.spec}).diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1));
+  const Finding& found = diagnosis.findings.front();
+  EXPECT_EQ(found.effect, cause.spec.effect);
+  EXPECT_EQ(found.location, cause.spec.location);
+  // One draw of one seed: four of its own standard deviations.
+  EXPECT_NEAR(found.parameters.at(cause.parameter), cause.spec.parameters.at(cause.parameter), 4.0 * found.standard_deviation.at(cause.parameter));
+  EXPECT_GT(found.probability, 0.9);
+  EXPECT_LT(found.p_value, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, EachCause,
+    ::testing::Values(Cause{"Gain", {"joint_gain", "joint:3", {{"gain", 2e-3}}}, "gain"},
+                      Cause{"Backlash", {"joint_backlash", "joint:1", {{"half_gap", 2e-4}}}, "half_gap"},
+                      Cause{"Harmonic", {"joint_harmonic", "joint:1", {{"order", 100.0}, {"sine", 3e-4}, {"cosine", 0.0}}}, "sine"},
+                      Cause{"Coupling", {"joint_coupling", "joint:6", {{"source", 5.0}, {"ratio", 4e-3}}}, "ratio"},
+                      Cause{"Focal", {"focal_length", "camera.lens", {{"scale", 0.01}}}, "scale"},
+                      Cause{"Stretch", {"target_anisotropy", "target.shape", {{"stretch", 0.004}}}, "stretch"},
+                      Cause{"CameraSlip", {"camera_slip", "camera.mount", {{"time", 905.0}, {"rx", 4e-4}, {"ty", 4e-4}}}, "rx"}),
+    [](const auto& instance) { return std::string(instance.param.name); });
+
+TEST(Diagnose, TagOfAnotherSizeIsSwallowedByLinksThatNoToleranceAllows) {
+  const Diagnosis diagnosis = test::smallCell(3, kPoses, kSigma, {{"target_scale", "target.shape", {{"scale", 0.03}}}}).diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1));
+  EXPECT_EQ(diagnosis.findings.front().effect, "target_scale");
+  EXPECT_NEAR(diagnosis.findings.front().parameters.at("scale"), 0.03, 0.006);  // links of 0.4 m to 1 mm, four times
+  EXPECT_FALSE(diagnosis.findings.front().shrinkage.claimed());
+}
+
+TEST(Diagnose, JointThatMovesAtRandomIsNoEffectOfItsPose) {
+  const Diagnosis diagnosis = test::smallCell(4, kPoses, kSigma, {{"joint_scatter", "joint:2", {{"sigma", 3e-4}, {"seed", 5.0}}}}).diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1));
+  EXPECT_EQ(diagnosis.findings.front().effect, "joint_scatter");
+  EXPECT_EQ(diagnosis.findings.front().location, "joint:2");
+  // A standard deviation from 60 draws: to 9 %, four times.
+  EXPECT_NEAR(diagnosis.findings.front().parameters.at("sigma"), 3e-4, 0.36 * 3e-4);
+}
+
+TEST(Diagnose, WildRowsAreListedAndNothingElse) {
+  test::SmallCell small = test::smallCell(5, kPoses, kSigma, {});
+  for (const std::size_t k : {std::size_t{7}, std::size_t{31}}) {
+    for (CornerMeasurement& corner : small.observations[k].corners) corner.px.x() += 20.0 + 5.0 * corner.id.corner;
+  }
+  const Diagnosis diagnosis = small.diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1));
+  EXPECT_EQ(diagnosis.findings.front().effect, "bad_samples");
+  ASSERT_THAT(diagnosis.bad_samples, SizeIs(2));
+  EXPECT_EQ(diagnosis.bad_samples[0].sample, 7u);
+  EXPECT_EQ(diagnosis.bad_samples[1].sample, 31u);
+}
+
+TEST(Diagnose, OneSidedPlayIsNotTestableAndSaysWhy) {
+  test::SmallCell small = test::smallCell(6, kPoses, kSigma, {});
+  for (Sample& sample : small.samples) sample.dir.setOnes();
+  const Diagnosis diagnosis = small.diagnosis();
+  EXPECT_THAT(diagnosis.findings, IsEmpty());
+  for (int joint = 1; joint <= 6; ++joint) {
+    const std::string place = "joint:" + std::to_string(joint);
+    const auto found = std::find_if(diagnosis.not_testable.begin(), diagnosis.not_testable.end(),
+                                    [&](const NotTestable& each) { return each.effect == "joint_backlash" && each.location == place; });
+    ASSERT_NE(found, diagnosis.not_testable.end()) << place;
+    EXPECT_THAT(found->why, HasSubstr("same side"));
+  }
+}
+
+TEST(Diagnose, SameInputGivesTheSameBytes) {
+  const test::SmallCell small = test::smallCell(7, 40, kSigma, {{"joint_gain", "joint:2", {{"gain", 2e-3}}}});
+  EXPECT_EQ(diagnosisJson(small.diagnosis(), small.samples), diagnosisJson(small.diagnosis(), small.samples));
+}
+
+TEST(Diagnose, JsonHasTheWordsOfTheContract) {
+  const test::SmallCell small = test::smallCell(8, 40, kSigma, {{"joint_gain", "joint:2", {{"gain", 2e-3}}}});
+  const auto json = nlohmann::json::parse(diagnosisJson(small.diagnosis(), small.samples));
+  EXPECT_EQ(json["format"], "poecal-diagnosis/1");
+  EXPECT_EQ(json["verdict"], "effects");
+  for (const char* key : {"noise", "gap", "findings", "where", "remaining", "detectable", "not_testable"}) EXPECT_TRUE(json.contains(key)) << key;
+  for (const char* key : {"stages", "before_excess_px", "after_excess_px", "shrinkage", "shrinkage_ci95"}) EXPECT_TRUE(json["gap"].contains(key)) << key;
+  for (const char* key : {"effect", "location", "driver", "parameters", "standard_deviation", "units", "probability", "p_value", "shrinkage",
+                          "shrinkage_ci95", "alternatives", "separate_with"}) {
+    EXPECT_TRUE(json["findings"][0].contains(key)) << key;
+  }
+  EXPECT_EQ(json["gap"]["stages"][2]["stage"], "identified");
+}
+
+TEST(Diagnose, FewPosesAreSaid) {
+  const test::SmallCell small = test::smallCell(9, 11, kSigma, {});
+  EXPECT_THROW(small.diagnosis(), InsufficientData);
+}
+
+TEST(Diagnose, ExplainsAnEffectAtEachOfItsPlaces) {
+  const Diagnosis diagnosis = test::smallCell(10, 40, kSigma, {{"joint_gain", "joint:2", {{"gain", 2e-3}}}}).diagnosis();
+  const std::string text = explainEffect(diagnosis, "joint_gain");
+  EXPECT_THAT(text, HasSubstr("found at joint:2"));
+  EXPECT_THAT(text, HasSubstr("joint:5 driven by q5"));
+  EXPECT_THROW(explainEffect(diagnosis, "joint_magic"), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace poecal

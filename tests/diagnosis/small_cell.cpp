@@ -1,0 +1,99 @@
+#include "diagnosis/small_cell.hpp"
+
+#include <algorithm>
+
+#include "poecal/effects/catalogue.hpp"
+
+namespace poecal::test {
+namespace {
+
+Arm spatialArm() {
+  Arm arm;
+  arm.name = "small";
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+  arm.joints = {Joint::revolute("joint_1", z, {0.0, 0.0, 0.0}), Joint::revolute("joint_2", y, {0.05, 0.0, 0.35}),
+                Joint::revolute("joint_3", y, {0.05, 0.0, 0.75}), Joint::revolute("joint_4", x, {0.25, 0.0, 0.8}),
+                Joint::revolute("joint_5", y, {0.45, 0.0, 0.8}), Joint::revolute("joint_6", x, {0.5, 0.0, 0.8})};
+  arm.gamma << 0.0, 0.0, 0.0, 0.55, 0.0, 0.8;
+  arm.links = {{8.0, {0.0, 0.0, 0.2}}, {6.0, {0.05, 0.02, 0.55}}, {4.0, {0.15, 0.0, 0.78}}, {2.0, {0.3, 0.01, 0.8}}, {1.0, {0.45, 0.0, 0.8}}, {0.5, {0.52, 0.0, 0.8}}};
+  return arm;
+}
+
+Camera plainCamera() {
+  Camera camera;
+  camera.width = 2448;
+  camera.height = 2048;
+  camera.fx = camera.fy = 2400.0;
+  camera.cx = 1224.0;
+  camera.cy = 1024.0;
+  camera.distortion = Eigen::VectorXd::Zero(5);
+  return camera;
+}
+
+}  // namespace
+
+SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vector<EffectSpec>& effects) {
+  Rng rng(seed);
+  SmallCell small;
+  small.nominal = spatialArm();
+  Eigen::VectorXd beta(twistParameterCount(small.nominal));
+  for (Eigen::Index k = 0; k < beta.size(); ++k) beta(k) = rng.normal() * (k % 4 < 2 ? 2e-3 : 5e-4);
+  small.cell.arm = displaceTwists(small.nominal, beta);
+  small.cell.camera = plainCamera();
+  small.target = apriltagTarget("tag36h11", {{.id = 1, .size = 0.08}});
+  Registration& registration = small.cell.registration;
+  // The camera looks along -x of base at the flange from 1.3 m before it; the tag faces it.
+  Eigen::Matrix3d R_base_camera;
+  R_base_camera.col(0) = Eigen::Vector3d::UnitY();
+  R_base_camera.col(1) = -Eigen::Vector3d::UnitZ();
+  R_base_camera.col(2) = -Eigen::Vector3d::UnitX();
+  Eigen::Isometry3d T_base_camera = Eigen::Isometry3d::Identity();
+  T_base_camera.linear() = R_base_camera;
+  T_base_camera.translation() << 1.85, 0.0, 0.7;
+  registration.T_camera_near = T_base_camera.inverse();
+  registration.T_far_target.linear() = R_base_camera;
+  registration.T_far_target.translation() << 0.03, 0.01, -0.02;
+  while (static_cast<int>(small.samples.size()) < poses) {
+    Sample sample;
+    sample.q.resize(6);
+    const double range[6] = {0.7, 0.6, 0.7, 1.2, 0.8, 1.5};
+    for (Eigen::Index k = 0; k < 6; ++k) sample.q(k) = rng.uniform(-range[k], range[k]);
+    const Eigen::Isometry3d T = registration.cameraTarget(forwardKinematics(*small.cell.arm, sample.q));
+    const bool faces = T.linear()(2, 2) > 0.6;
+    const bool inside = std::all_of(small.target.points.begin(), small.target.points.end(), [&](const TargetPoint& point) {
+      const auto px = project(*small.cell.camera, T * point.p_target);
+      return px && px->x() > 20.0 && px->x() < 2428.0 && px->y() > 20.0 && px->y() < 2028.0;
+    });
+    if (!faces || !inside) continue;
+    sample.stamp = 30.0 * static_cast<double>(small.samples.size());
+    sample.dir.resize(6);
+    for (Eigen::Index k = 0; k < 6; ++k) sample.dir(k) = rng.uniform() < 0.5 ? -1.0 : 1.0;
+    small.samples.push_back(sample);
+  }
+  std::vector<AppliedEffect> applied;
+  for (const EffectSpec& spec : effects) applied.push_back(makeEffect(spec, small.cell));
+  const std::vector<Disturbance> disturbances = disturbancesOf(applied, small.cell, small.target, {0.0, 0.0, -9.80665}, small.samples, true);
+  for (std::size_t k = 0; k < small.samples.size(); ++k) {
+    Observation observation{.sample = k, .q = small.samples[k].q, .T_base_flange = {}, .corners = {}, .pose = {}};
+    const auto px = disturbances[k].joints.size() > 0
+                        ? disturbedCorners(small.cell, small.samples[k], small.target.points, disturbances[k])
+                        : disturbedCorners(small.cell, small.samples[k], small.target.points, Disturbance::zero(small.cell, 4));
+    for (std::size_t j = 0; j < px.size(); ++j) {
+      const Eigen::Vector2d noise(rng.normal(), rng.normal());
+      observation.corners.push_back({.id = small.target.points[j].id, .p_target = small.target.points[j].p_target, .px = *px[j] + sigma * noise, .sigma_px = 1.0});
+    }
+    small.observations.push_back(observation);
+  }
+  return small;
+}
+
+Diagnosis SmallCell::diagnosis() const {
+  Cell stated = cell;
+  stated.arm = nominal;
+  IdentifyOptions options;
+  options.hold_out_every = 0;
+  const Identification identification = identify(stated, observations, observationGroups(observations, samples), options);
+  return diagnose(identification, observations, samples, {}, target, {0.0, 0.0, -9.80665}, {});
+}
+
+}  // namespace poecal::test

@@ -1,0 +1,27 @@
+// A cell whose truth is known, for tests of the diagnosis: corners with noise, straight from the forward model.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "poecal/diagnosis/diagnose.hpp"
+#include "support/random.hpp"
+
+namespace poecal::test {
+
+struct SmallCell {
+  Cell cell;  ///< true arm
+  Arm nominal;
+  Target target;
+  std::vector<Sample> samples;
+  std::vector<Observation> observations;
+
+  /// The diagnosis of what was observed, as the program makes it.
+  Diagnosis diagnosis() const;
+};
+
+/// Six turning joints with masses before a fixed camera; axes off by 0.5 mm and 2 mrad, `poses` poses, corners with `sigma` [px] and what the
+/// effects do.
+SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vector<EffectSpec>& effects);
+
+}  // namespace poecal::test
