@@ -298,15 +298,17 @@ void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
       explained.unit = sight->second.unit;
     }
   }
-  for (const FoundEffect& found : selection.findings) {
-    for (std::size_t i = 0; i < found.ranking.answers.size(); ++i) {
-      const RankedAnswer& answer = found.ranking.answers[i];
+  std::vector<const Ranking*> rankings{&selection.base_ranking};
+  for (const FoundEffect& found : selection.findings) rankings.push_back(&found.ranking);
+  for (const Ranking* ranking : rankings) {
+    for (std::size_t i = 0; i < ranking->answers.size(); ++i) {
+      const RankedAnswer& answer = ranking->answers[i];
       Explained& explained = answers[answer.name + "@" + answer.location + "/" + answer.driver];
       explained.effect = answer.name;
       explained.location = answer.location;
       explained.driver = answer.driver;
       explained.log_evidence = answer.log_bayes;
-      explained.probability = std::max(explained.probability, found.ranking.probability(i));
+      explained.probability = std::max(explained.probability, ranking->probability(i));
     }
   }
   for (const auto& [name, explained] : answers) diagnosis.explained.push_back(explained);
@@ -366,7 +368,7 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
   }
   const Selection selection = selectEffects(measured, identifiedState(identification, measured), grosslyWild(identification, measured), other_columns);
   Diagnosis diagnosis;
-  diagnosis.log_odds = selection.base_log_odds;
+  diagnosis.log_odds = selection.base_ranking.log_total;
   diagnosis.answers = static_cast<int>(selection.candidates.size());
   diagnosis.pixels = measured.start.camera.has_value();
   const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);

@@ -155,8 +155,8 @@ ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& meas
   with.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
   ExactEvidence exact;
   exact.noise = estimateNoise(measured, with.state, with.rows, with.components, with.columns, with.column_prior, &linear.noise, kPrecision);
-  // One variance more, known to about a factor of e after and of a hundred before: Occam's share of its maximum.
-  constexpr double kOccam = 2.0;
+  // One variance more: what was a factor of e^3 either way is known to a few tens of percent.
+  constexpr double kOccam = 1.5;
   exact.log_bayes = exact.noise.log_likelihood - linear.noise.log_likelihood - kOccam;
   exact.scale = std::sqrt(exact.noise.theta(exact.noise.theta.size() - 1));
   return exact;

@@ -10,8 +10,9 @@
 namespace poecal {
 namespace {
 
-constexpr double kAcceptance = 6.0;        // log of the odds against none that a finding needs: one false one in 400 by Ville's bound
-constexpr double kScatterShare = 0.05;     // prior share of joints that move at random
+constexpr double kAcceptance = 2.5;        // log of the odds against none that a finding needs; without any effect 1 capture in 200 reaches 0.5
+constexpr double kAcceptanceBeside = 4.5;  // that another one needs beside it
+constexpr double kScatterShare = 0.2;      // prior share of joints that move at random
 constexpr double kRelativeMisfit = 0.005;  // of an explanation's chi-square that its own imprecision may leave: 7 % of its size
 constexpr std::size_t kShortlist = 8, kCurveShortlist = 4;
 constexpr std::size_t kMostFindings = 4;
@@ -109,6 +110,14 @@ class Ranker {
     }
   }
 
+  /// The variance that all joints have in common; 0 where it was not estimated.
+  static double repeatability(const Linearised& linear, const NoiseEstimate& noise) {
+    for (std::size_t i = 0; i < linear.components.size(); ++i) {
+      if (linear.components[i].name == "repeatability") return noise.theta(static_cast<Eigen::Index>(i));
+    }
+    return 0.0;
+  }
+
   void addScatter(const Linearised& linear, const std::vector<std::string>& taken, Ranking& ranking) const {
     if (!measured_.start.arm) return;
     const WhiteResidual white = whiteResidual(linear);
@@ -116,9 +125,12 @@ class Ranker {
     for (std::size_t k = 0; k < joints; ++k) {
       RankedAnswer answer{.name = "joint_scatter", .location = "joint:" + std::to_string(k + 1), .driver = "none", .scatter = k};
       if (std::find(taken.begin(), taken.end(), answer.name + "@" + answer.location + "/none") != taken.end()) continue;
-      constexpr double kWorthTrying = 2.0;
+      constexpr double kWorthTrying = 0.0;
+      // Joints are not all alike: one is beyond its repeatability where it moves twice as far as they do together.
+      constexpr double kBeyond = 3.0;
       if (scatterScore(white, jointScatter(linear.rows, k, 1.0)) < kWorthTrying) continue;
       answer.exact = scatterEvidence(linear, measured_, k);
+      if (!(answer.exact->scale * answer.exact->scale > kBeyond * repeatability(linear, answer.exact->noise))) continue;
       answer.log_bayes = answer.exact->log_bayes;
       answer.log_weight = answer.log_bayes + std::log(kScatterShare / static_cast<double>(joints));
       answer.chi_square = 2.0 * std::max(0.0, answer.log_bayes);
@@ -165,7 +177,7 @@ class Selector {
       const Ranking ranking = ranker().rank(linear_, taken());
       if (selection_.findings.empty()) {
         selection_.base_evidence = ranking.screened;
-        selection_.base_log_odds = ranking.log_total;
+        selection_.base_ranking = ranking;
       }
       if (selection_.findings.size() < kMostFindings && accept(ranking)) {
         settle();
@@ -254,7 +266,7 @@ class Selector {
     if (ranking.answers.empty()) return false;
     const std::size_t chosen = chosenAnswer(ranking);
     const RankedAnswer& answer = ranking.answers[chosen];
-    double needed = kAcceptance + kRelativeMisfit * explained();
+    double needed = selection_.findings.empty() ? kAcceptance : kAcceptanceBeside + kRelativeMisfit * explained();
     // Beside a curve of unknown shape another finding is mostly what the curve did not follow.
     const bool unknown_before = std::any_of(selection_.findings.begin(), selection_.findings.end(),
                                             [](const FoundEffect& found) { return found.name == "unknown"; });

@@ -49,7 +49,7 @@ struct Selection {
   std::vector<FoundEffect> findings;
   std::vector<Candidate> candidates;
   std::vector<NotTestable> not_testable;
-  double base_log_odds = 0.0;           ///< of all answers together against none, nothing found yet
+  Ranking base_ranking;                 ///< of all answers, nothing found yet
   std::vector<Evidence> base_evidence;  ///< of the candidates, nothing found yet
   std::vector<std::size_t> bad;         ///< observations that belong to no model, as indices into the measured ones given
   std::vector<std::size_t> kept;        ///< indices of the given observations that remain in `measured`
