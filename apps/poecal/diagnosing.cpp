@@ -31,8 +31,8 @@ Diagnosing finish(Diagnosis diagnosis, const std::vector<Sample>& samples, const
 Diagnosing diagnoseCapture(const CaptureInputs& inputs, const Identification& identification, const IdentifyOptions& options,
                            const std::filesystem::path& out) {
   const Capture& capture = inputs.capture;
-  return finish(diagnose(identification, inputs.observations, capture.table.samples, capture.table.other_columns, capture.target, capture.gravity,
-                         diagnoseOptions(options)),
+  return finish(diagnose(identification, inputs.observations, capture.table.samples, capture.table.other_columns, capture.target,
+                         capture.gravity, diagnoseOptions(options)),
                 capture.table.samples, out);
 }
 
@@ -41,7 +41,8 @@ Diagnosing diagnosePoses(const PoseTable& table, const Identification& identific
   std::vector<Sample> samples;
   for (const MeasuredPose& pose : table.poses) samples.push_back(pose.sample);
   const DiagnoseOptions diagnose_options = diagnoseOptions(options);
-  return finish(diagnose(identification, instrumentObservations(table), samples, table.other_columns, Target{}, {0.0, 0.0, -9.80665}, diagnose_options),
+  return finish(diagnose(identification, instrumentObservations(table), samples, table.other_columns, Target{}, {0.0, 0.0, -9.80665},
+                         diagnose_options),
                 samples, out);
 }
 

@@ -11,7 +11,7 @@
 namespace poecal {
 namespace {
 
-constexpr int kHighestOrder = 200;       // teeth of a gear: strain waves and planets stay below
+constexpr int kHighestOrder = 200;  // teeth of a gear: strain waves and planets stay below
 constexpr std::size_t kMostSlipTimes = 60;
 // Shares of the explanations: named ones against curves of unknown shape; see selection.
 constexpr double kNamedShare = 0.75, kCurveShare = 0.25;
@@ -60,7 +60,8 @@ void addMassErrors(const Cell& cell, Candidate& candidate) {
   constexpr double kMassError = 0.15, kPlaceError = 0.01;
   Cell weightless = cell;
   weightless.arm->links.clear();
-  candidate.mass_errors = makeEffect({.effect = effect.name(), .location = effect.location(), .driver = effect.driver()}, weightless).effect;
+  candidate.mass_errors =
+      makeEffect({.effect = effect.name(), .location = effect.location(), .driver = effect.driver()}, weightless).effect;
   std::vector<double> typical(candidate.typical.begin(), candidate.typical.end());
   for (std::size_t body = effect.index(); body < cell.arm->links.size(); ++body) {
     const LinkMass& link = cell.arm->links[body];
@@ -72,9 +73,18 @@ void addMassErrors(const Cell& cell, Candidate& candidate) {
   candidate.typical = Eigen::Map<Eigen::VectorXd>(typical.data(), static_cast<Eigen::Index>(typical.size()));
 }
 
+/// Where a drift by stamp or temperature begins in these samples.
+double driftReferenceOf(const std::string& driver, const std::vector<Sample>& samples) {
+  if (driver == "temperature") return samples.front().temperature.value_or(0.0);
+  double first = std::numeric_limits<double>::infinity();
+  for (const Sample& sample : samples) first = std::min(first, sample.stamp.value_or(first));
+  return first;
+}
+
 bool isRandom(const Effect& effect) { return effect.kind().add_derivative == nullptr; }
 
-void addNamed(const Cell& cell, const Effect& effect, double share, const std::vector<Sample>& samples, std::vector<Candidate>& candidates) {
+void addNamed(const Cell& cell, const Effect& effect, double share, const std::vector<Sample>& samples,
+              std::vector<Candidate>& candidates) {
   Candidate candidate;
   candidate.effect = effect;
   candidate.name = effect.name();
@@ -86,6 +96,8 @@ void addNamed(const Cell& cell, const Effect& effect, double share, const std::v
   for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
     const EffectParameter& parameter = effect.parameters()[i];
     if (parameter.role == ParameterRole::kScanned) scan = static_cast<Eigen::Index>(i);
+    // Another capture begins elsewhere: what was found here keeps this one's reference.
+    if (parameter.name == "reference") candidate.parameters(static_cast<Eigen::Index>(i)) = driftReferenceOf(effect.driver(), samples);
     if (parameter.role != ParameterRole::kLinear) continue;
     candidate.linear.push_back(static_cast<Eigen::Index>(i));
     typical.push_back(parameter.typical);
@@ -114,10 +126,10 @@ Eigen::MatrixXd waves(const Eigen::VectorXd& driver, int count) {
   return values;
 }
 
-/// Waves grow smaller beyond a few a range, as smooth curves have it.
-Eigen::VectorXd smooth(int waves_count, double typical) {
-  constexpr double kBend = 4.0;
-  return Eigen::VectorXd::NullaryExpr(waves_count, [typical](Eigen::Index j) { return typical / (1.0 + std::pow(static_cast<double>(j + 1) / kBend, 2)); });
+/// Waves grow smaller beyond `bend` a range, as smooth curves have it.
+Eigen::VectorXd smooth(int waves_count, double typical, double bend) {
+  return Eigen::VectorXd::NullaryExpr(waves_count,
+                                      [=](Eigen::Index j) { return typical / (1.0 + std::pow(static_cast<double>(j + 1) / bend, 2)); });
 }
 
 /// The drivers that a curve may follow, with the number of waves that the samples resolve.
@@ -125,6 +137,7 @@ struct Driver {
   std::string name;
   Eigen::VectorXd value;
   int waves = 0;
+  double bend = 4.0;  ///< waves a range beyond which they are smaller
 };
 
 class Curves {
@@ -150,7 +163,8 @@ class Curves {
 
  private:
   static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  static constexpr int kJointWaves = 14, kStampWaves = 14, kFewWaves = 5, kOtherJointWaves = 6, kTorqueWaves = 8, kLensOrders = 6;
+  static constexpr int kJointWaves = 14, kStampWaves = 14, kFewWaves = 5, kOtherJointWaves = 6, kTorqueWaves = 8, kLensOrders = 6,
+                       kFineWaves = 40;
 
   template <typename Value>
   void addDriver(const std::string& name, int count, Value value) {
@@ -171,6 +185,11 @@ class Curves {
       for (std::size_t j = 0; j < joints; ++j) {
         const auto reading = [j](const SampleContext& c) { return c.sample.q(static_cast<Eigen::Index>(j)); };
         add(CurvePlace::kJoint, k, location, driver(fmt::format("q{}", j + 1), j == k ? kJointWaves : kOtherJointWaves, reading));
+        if (j != k) continue;
+        // Teeth, steps and saws, which a few smooth waves do not follow.
+        Driver fine = driver(fmt::format("q{}", j + 1), kFineWaves, reading);
+        fine.bend = kFineWaves;
+        add(CurvePlace::kJoint, k, location, fine);
       }
       const auto torque = [k](const SampleContext& c) { return c.torque(static_cast<Eigen::Index>(k)); };
       add(CurvePlace::kJoint, k, location, driver(fmt::format("tau{}", k + 1), kTorqueWaves, torque));
@@ -204,10 +223,11 @@ class Curves {
     candidate.driver = driver.name;
     const auto count = static_cast<int>(values.cols());
     if (place == CurvePlace::kJoint) {
-      candidate.typical = smooth(count, kTypicalRadian);
+      candidate.typical = smooth(count, kTypicalRadian, driver.bend);
     } else {
       candidate.typical.resize(6 * count);
-      for (int axis = 0; axis < 6; ++axis) candidate.typical.segment(axis * count, count) = smooth(count, axis < 3 ? kTypicalRadian : kTypicalMetre);
+      for (int axis = 0; axis < 6; ++axis)
+        candidate.typical.segment(axis * count, count) = smooth(count, axis < 3 ? kTypicalRadian : kTypicalMetre, driver.bend);
     }
     push(std::move(candidate));
   }
@@ -316,7 +336,8 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
   }
   for (const Effect& effect : named.effects) {
     if (isRandom(effect)) continue;
-    addNamed(state.cell.cell, effect, kNamedShare / static_cast<double>(kinds.size()) / instances[effect.name()], measured.samples, list.candidates);
+    addNamed(state.cell.cell, effect, kNamedShare / static_cast<double>(kinds.size()) / instances[effect.name()], measured.samples,
+             list.candidates);
   }
   std::vector<Candidate> curves = Curves(measured, contextsOf(measured, state), other_columns).all();
   for (Candidate& curve : curves) {

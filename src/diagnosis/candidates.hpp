@@ -19,9 +19,9 @@ enum class CurvePlace { kJoint, kMount, kGrip, kLens };
 /// A smooth function of a driver at a place, as a sum of waves of the driver: "unknown, there, driven by that".
 struct Curve {
   CurvePlace place = CurvePlace::kJoint;
-  std::size_t index = 0;      ///< of the joint
-  Eigen::MatrixXd waves;      ///< observations x waves; empty for the lens, whose waves are of the pixel
-  int orders = 0;             ///< lens only: waves along u and v in all
+  std::size_t index = 0;  ///< of the joint
+  Eigen::MatrixXd waves;  ///< observations x waves; empty for the lens, whose waves are of the pixel
+  int orders = 0;         ///< lens only: waves along u and v in all
 };
 
 /// One explanation. Its columns are the derivatives of the rows by its linear parameters.
@@ -35,7 +35,7 @@ struct Candidate {
   /// The same effect by unknown masses: what wrongly stated ones leave out, as further columns beside those of the effect.
   std::optional<Effect> mass_errors;
   Eigen::VectorXd typical;  ///< 1 sigma of each column's factor on real cells
-  double log_prior = 0.0;            ///< share among all explanations
+  double log_prior = 0.0;   ///< share among all explanations
 
   bool known() const { return effect.has_value(); }
   /// "joint_slip@joint:2/stamp": what is one answer, whatever its scanned parameters.

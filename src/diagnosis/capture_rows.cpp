@@ -115,7 +115,8 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
       const Cell disturbed = withCamera(state.cell.cell, disturbance);
       evaluateRows(disturbed, shaped(observation, disturbance), part.ports.T_camera_target, disturbed.camera.has_value(), part.rows);
       for (int unit = 0; unit < observation.unitCount(); ++unit) {
-        part.unit_sigma.push_back(observation.pose ? 1.0 / observation.pose->whitening(5, 5) : observation.corners[static_cast<std::size_t>(unit)].sigma_px);
+        part.unit_sigma.push_back(observation.pose ? 1.0 / observation.pose->whitening(5, 5)
+                                                   : observation.corners[static_cast<std::size_t>(unit)].sigma_px);
       }
       begin += part.size;
       all.groups.back().push_back(all.observations.size());
@@ -133,7 +134,8 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
   return all;
 }
 
-Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups) {
+Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state,
+                                 const std::vector<std::vector<std::size_t>>& groups) {
   const auto capture = contextOf(measured, state);
   std::vector<double> all;
   SampleRows rows;
@@ -143,7 +145,8 @@ Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState&
       const SampleContext context = makeSampleContext(capture, measured.samples[k], k, pointsOf(observation));
       const Disturbance disturbance = disturbanceOf(state.effects, context);
       const Cell disturbed = withCamera(state.cell.cell, disturbance);
-      evaluateRows(disturbed, shaped(observation, disturbance), disturbedTarget(state.cell.cell, measured.samples[k], disturbance), false, rows);
+      evaluateRows(disturbed, shaped(observation, disturbance), disturbedTarget(state.cell.cell, measured.samples[k], disturbance), false,
+                   rows);
       all.insert(all.end(), rows.r.begin(), rows.r.end());
     }
   }

@@ -42,8 +42,8 @@ struct ObservationRows {
   int begin = 0, size = 0;  ///< rows
   SampleContext context;
   PosePortJacobian ports;
-  SampleRows rows;                        ///< r, H, K in units of the stated sigma
-  std::vector<double> unit_sigma;         ///< stated sigma of each unit [px], or of a pose's position [m]
+  SampleRows rows;                 ///< r, H, K in units of the stated sigma
+  std::vector<double> unit_sigma;  ///< stated sigma of each unit [px], or of a pose's position [m]
   Eigen::Matrix3d R_camera_target = Eigen::Matrix3d::Identity();
 
   /// d(model)/d(amount) of this observation's rows, for a direction in which its ports move.
@@ -63,6 +63,7 @@ struct CaptureRows {
 CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups);
 
 /// Residuals alone.
-Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups);
+Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state,
+                                 const std::vector<std::vector<std::size_t>>& groups);
 
 }  // namespace poecal

@@ -20,13 +20,16 @@ constexpr double kDetectableChiSquare = 36.0;
 // An effect that would have to be so many times its usual size is none that these data can test.
 constexpr double kAbsurdSize = 30.0;
 constexpr std::size_t kFewestPoses = 12;
+constexpr std::size_t kMostFindings = 4;
 
-MeasuredCell measuredCell(const Identification& identification, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
-                          const Target& target, const Eigen::Vector3d& gravity, const DiagnoseOptions& options) {
+MeasuredCell measuredCell(const Identification& identification, const std::vector<Observation>& observations,
+                          const std::vector<Sample>& samples, const Target& target, const Eigen::Vector3d& gravity,
+                          const DiagnoseOptions& options) {
   MeasuredCell measured;
   measured.start = identification.start;
   measured.free = identification.free;
-  // A camera that was re-fitted though its file states no deviations is the lens that it was found to be, or the finding would be lost in it.
+  // A camera that was re-fitted though its file states no deviations is the lens that it was found to be, or the finding would be lost in
+  // it.
   const bool stated = measured.start.camera && measured.start.camera->standard_deviation.size() > 0;
   measured.free.intrinsics = identification.free.intrinsics && stated;
   if (measured.free.intrinsics) measured.camera_sigma = measured.start.camera->standard_deviation;
@@ -35,7 +38,8 @@ MeasuredCell measuredCell(const Identification& identification, const std::vecto
     measured.samples.push_back(samples[observation.sample]);
     if (!observation.pose || identification.sigmas_stated || observation.pose->position_only) continue;
     Vector6d weight;
-    weight << Eigen::Vector3d::Constant(1.0 / identification.sigma_rotation), Eigen::Vector3d::Constant(1.0 / identification.sigma_position);
+    weight << Eigen::Vector3d::Constant(1.0 / identification.sigma_rotation),
+        Eigen::Vector3d::Constant(1.0 / identification.sigma_position);
     observation.pose->whitening = weight.asDiagonal();
   }
   measured.groups = observationGroups(measured.observations, samples);
@@ -47,8 +51,8 @@ MeasuredCell measuredCell(const Identification& identification, const std::vecto
 
 /// Observations that a robust fit left out by far: so wild that they would spoil the noise of all others, whatever else there is.
 std::vector<std::size_t> grosslyWild(const Identification& identification, const MeasuredCell& measured) {
-  // Mean square in units of the fit's noise: eight times as far as the arm's own effects throw a pose.
-  constexpr double kGross = 60.0;
+  // Mean square in units of the fit's noise: twelve standard deviations, farther than an effect throws single poses.
+  constexpr double kGross = 150.0;
   const double scale = std::max(identification.adjustment.scale, 1e-12);
   std::vector<std::size_t> wild;
   for (std::size_t k = 0; k < measured.observations.size(); ++k) {
@@ -103,10 +107,11 @@ std::string whyUnseen(const std::string& effect, const std::string& location, co
     const auto all = [&measured](auto is) { return std::all_of(measured.samples.begin(), measured.samples.end(), is); };
     const Sample& first = measured.samples.front();
     if (effect == "joint_backlash" && all([&](const Sample& s) { return s.dir(k) == first.dir(k); })) {
-      return fmt::format("the joint was always reached from the same side (dir{}): one half of its play is a joint zero, which no data can tell", k + 1);
+      return fmt::format(
+          "the joint was always reached from the same side (dir{}): one half of its play is a joint zero, which no data can tell", k + 1);
     }
-    if (effect == "joint_compliance" && std::abs(measured.start.arm->joints[static_cast<std::size_t>(k)].axis().dot(measured.gravity.normalized())) > 0.999 &&
-        k == 0) {
+    if (effect == "joint_compliance" &&
+        std::abs(measured.start.arm->joints[static_cast<std::size_t>(k)].axis().dot(measured.gravity.normalized())) > 0.999 && k == 0) {
       return "its axis is vertical: gravity has no moment about it";
     }
   }
@@ -124,8 +129,9 @@ void tellWhatCanBeSeen(const Selection& selection, Diagnosis& diagnosis) {
   }
   const std::vector<Joint>& joints = selection.measured.start.arm->joints;
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    diagnosis.not_testable.push_back({"joint_offset", fmt::format("joint:{}", k + 1),
-                                      "a joint's zero is where all axes after it are turned to: it is part of the twists, not an effect beside them"});
+    diagnosis.not_testable.push_back(
+        {"joint_offset", fmt::format("joint:{}", k + 1),
+         "a joint's zero is where all axes after it are turned to: it is part of the twists, not an effect beside them"});
   }
 }
 
@@ -203,7 +209,8 @@ void climb(const Selection& selection, const Identification& identification, con
     for (const std::size_t j : taken) {
       if (j != i) others.push_back(j);
     }
-    const bool alone = std::none_of(others.begin(), others.end(), [&](std::size_t j) { return selection.findings[j].accepted.has_value(); });
+    const bool alone =
+        std::none_of(others.begin(), others.end(), [&](std::size_t j) { return selection.findings[j].accepted.has_value(); });
     diagnosis.findings[i].shrinkage = alone ? diagnosis.shrinkage : ladder.shrinkage(ladder.rungWith("", others), rungs.back());
   }
 }
@@ -211,7 +218,8 @@ void climb(const Selection& selection, const Identification& identification, con
 void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
   const NoiseEstimate& noise = selection.linear.noise;
   std::vector<double> sigmas;
-  for (const ObservationRows& part : selection.linear.rows.observations) sigmas.insert(sigmas.end(), part.unit_sigma.begin(), part.unit_sigma.end());
+  for (const ObservationRows& part : selection.linear.rows.observations)
+    sigmas.insert(sigmas.end(), part.unit_sigma.begin(), part.unit_sigma.end());
   const double stated = sigmas.empty() ? 1.0 : median(sigmas);
   for (std::size_t i = 0; i < selection.linear.components.size(); ++i) {
     const std::string& name = selection.linear.components[i].name;
@@ -224,7 +232,8 @@ void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
       diagnosis.rotation_sigma = sigma / pose.whitening(0, 0);
     }
   }
-  const bool repeats = std::any_of(selection.measured.groups.begin(), selection.measured.groups.end(), [](const auto& g) { return g.size() > 1; });
+  const bool repeats =
+      std::any_of(selection.measured.groups.begin(), selection.measured.groups.end(), [](const auto& g) { return g.size() > 1; });
   diagnosis.noise_source = repeats ? "repeats" : "estimated";
   diagnosis.arm_beyond_tolerance = noise.tolerance;
 }
@@ -316,7 +325,8 @@ void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
                    [](const Explained& a, const Explained& b) { return a.log_evidence > b.log_evidence; });
 }
 
-void tellBad(const Selection& selection, const std::vector<Observation>& observations, const std::vector<Sample>& samples, Diagnosis& diagnosis) {
+void tellBad(const Selection& selection, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
+             Diagnosis& diagnosis) {
   if (selection.bad.empty()) return;
   Finding finding{.effect = "bad_samples", .location = "samples", .driver = "none"};
   finding.probability = 1.0;
@@ -341,12 +351,23 @@ void tellBad(const Selection& selection, const std::vector<Observation>& observa
   diagnosis.findings.push_back(std::move(finding));
 }
 
-void tellModel(const Selection& selection, const Identification& identification, Diagnosis& diagnosis) {
+void tellModel(const Selection& selection, const Identification& identification, const std::vector<Eigen::VectorXd>& deviations,
+               Diagnosis& diagnosis) {
   diagnosis.model = identification.model;
   const ModelState& state = selection.linear.state;
   diagnosis.model.cell = state.cell.cell;
   if (!selection.measured.target.points.empty()) diagnosis.model.target = selection.measured.target;
   diagnosis.model.effects = state.effects;
+  std::size_t next = 0;
+  for (const Accepted& one : selection.linear.accepted) {
+    const Eigen::VectorXd& deviation = deviations[next++];
+    if (!one.candidate.known()) continue;
+    AppliedEffect& applied = diagnosis.model.effects[one.effect];
+    applied.standard_deviation = Eigen::VectorXd::Zero(applied.parameters.size());
+    for (std::size_t i = 0; i < one.candidate.linear.size(); ++i) {
+      applied.standard_deviation(one.candidate.linear[i]) = deviation(static_cast<Eigen::Index>(i));
+    }
+  }
   const Arm& before = *selection.base.cell.cell.arm;
   const Arm& after = *state.cell.cell.arm;
   for (std::size_t k = 0; k < after.joints.size(); ++k) {
@@ -355,22 +376,12 @@ void tellModel(const Selection& selection, const Identification& identification,
   }
 }
 
-}  // namespace
-
-Diagnosis diagnose(const Identification& identification, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
-                   const std::vector<std::string>& other_columns, const Target& target, const Eigen::Vector3d& gravity,
-                   const DiagnoseOptions& options) {
-  if (!identification.start.arm) throw InsufficientData("a diagnosis needs joint readings");
-  const MeasuredCell measured = measuredCell(identification, observations, samples, target, gravity, options);
-  if (measured.groups.size() < kFewestPoses) {
-    throw InsufficientData(fmt::format("{} poses are too few to tell an effect from the arm's own geometry: at least {} are needed, 40 or more are advised",
-                                       measured.groups.size(), kFewestPoses));
-  }
-  const Selection selection = selectEffects(measured, identifiedState(identification, measured), grosslyWild(identification, measured), other_columns);
+/// Everything but the list of bad samples.
+Diagnosis told(const Selection& selection, const Identification& identification, const DiagnoseOptions& options) {
   Diagnosis diagnosis;
   diagnosis.log_odds = selection.base_ranking.log_total;
   diagnosis.answers = static_cast<int>(selection.candidates.size());
-  diagnosis.pixels = measured.start.camera.has_value();
+  diagnosis.pixels = selection.measured.start.camera.has_value();
   const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
   std::size_t next = 0;
   for (const FoundEffect& found : selection.findings) {
@@ -382,15 +393,16 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
       ++next;
     }
     if (found.scatter) {
-      const auto k = selection.linear.noise.theta.size() - static_cast<Eigen::Index>(
-                         std::count_if(selection.findings.begin(), selection.findings.end(), [](const FoundEffect& f) { return f.scatter.has_value(); }));
+      const auto k = selection.linear.noise.theta.size() -
+                     static_cast<Eigen::Index>(std::count_if(selection.findings.begin(), selection.findings.end(),
+                                                             [](const FoundEffect& f) { return f.scatter.has_value(); }));
       Eigen::Index at = k;
       for (const FoundEffect& other : selection.findings) {
         if (other.scatter == found.scatter) break;
         if (other.scatter) ++at;
       }
       finding.parameters["sigma"] = std::sqrt(selection.linear.noise.theta(at));
-      finding.units["sigma"] = measured.start.arm->joints[*found.scatter].type == JointType::kRevolute ? "rad" : "m";
+      finding.units["sigma"] = selection.measured.start.arm->joints[*found.scatter].type == JointType::kRevolute ? "rad" : "m";
     }
     fillAlternatives(found.ranking, finding);
     if (const EffectKind* kind = findEffectKind(found.name)) finding.remedy = kind->remedy;
@@ -402,9 +414,36 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
   tellRemaining(selection, diagnosis);
   tellWhatCanBeSeen(selection, diagnosis);
   tellExplained(selection, diagnosis);
-  tellBad(selection, observations, samples, diagnosis);
-  tellModel(selection, identification, diagnosis);
+  tellModel(selection, identification, deviations, diagnosis);
   return diagnosis;
+}
+
+}  // namespace
+
+Diagnosis diagnose(const Identification& identification, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
+                   const std::vector<std::string>& other_columns, const Target& target, const Eigen::Vector3d& gravity,
+                   const DiagnoseOptions& options) {
+  if (!identification.start.arm) throw InsufficientData("a diagnosis needs joint readings");
+  const MeasuredCell measured = measuredCell(identification, observations, samples, target, gravity, options);
+  if (measured.groups.size() < kFewestPoses) {
+    throw InsufficientData(
+        fmt::format("{} poses are too few to tell an effect from the arm's own geometry: at least {} are needed, 40 or more are advised",
+                    measured.groups.size(), kFewestPoses));
+  }
+  const ModelState state = identifiedState(identification, measured);
+  const std::vector<std::size_t> wild = grosslyWild(identification, measured);
+  // A curve of unknown shape that does not serve poses which it did not see is none that could be told of, nor is what came after it.
+  for (std::size_t most = kMostFindings;;) {
+    const Selection selection = selectEffects(measured, state, wild, other_columns, most);
+    Diagnosis diagnosis = told(selection, identification, options);
+    const auto useless = std::find_if(diagnosis.findings.begin(), diagnosis.findings.end(),
+                                      [](const Finding& finding) { return finding.effect == "unknown" && !finding.shrinkage.claimed(); });
+    if (useless == diagnosis.findings.end()) {
+      tellBad(selection, observations, samples, diagnosis);
+      return diagnosis;
+    }
+    most = static_cast<std::size_t>(useless - diagnosis.findings.begin());
+  }
 }
 
 }  // namespace poecal

@@ -36,7 +36,9 @@ Json gapJson(const Diagnosis& diagnosis) {
 Json noiseJson(const Diagnosis& diagnosis) {
   Json json;
   if (diagnosis.pixels) {
-    json = {{"pixel_sigma", diagnosis.noise_sigma}, {"source", diagnosis.noise_source}, {"tag_sigma_px", diagnosis.tag_sigma},
+    json = {{"pixel_sigma", diagnosis.noise_sigma},
+            {"source", diagnosis.noise_source},
+            {"tag_sigma_px", diagnosis.tag_sigma},
             {"joint_repeatability", diagnosis.repeatability}};
   } else {
     json = {{"position_sigma", diagnosis.noise_sigma}, {"rotation_sigma", diagnosis.rotation_sigma}, {"source", diagnosis.noise_source}};
@@ -48,7 +50,8 @@ Json noiseJson(const Diagnosis& diagnosis) {
 Json findingJson(const Finding& finding) {
   Json alternatives = Json::array();
   for (const AlternativeCause& other : finding.alternatives) {
-    alternatives.push_back({{"effect", other.effect}, {"location", other.location}, {"driver", other.driver}, {"probability", other.probability}});
+    alternatives.push_back(
+        {{"effect", other.effect}, {"location", other.location}, {"driver", other.driver}, {"probability", other.probability}});
   }
   Json json{{"effect", finding.effect},
             {"location", finding.location},
@@ -74,7 +77,8 @@ Json orNull(const std::string& text) { return text.empty() ? Json(nullptr) : Jso
 }  // namespace
 
 std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples) {
-  Json findings = Json::array(), where = Json::array(), detectable = Json::array(), not_testable = Json::array(), bad = Json::array(), moves = Json::array();
+  Json findings = Json::array(), where = Json::array(), detectable = Json::array(), not_testable = Json::array(), bad = Json::array(),
+       moves = Json::array();
   for (const Finding& finding : diagnosis.findings) findings.push_back(findingJson(finding));
   for (const GapPlace& place : diagnosis.where) {
     where.push_back({{"location", place.location}, {"driver", place.driver}, {"share", place.share}, {"p_value", place.p_value}});
@@ -86,9 +90,12 @@ std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>&
     not_testable.push_back({{"effect", each.effect}, {"location", each.location}, {"why", each.why}});
   }
   for (const BadSample& row : diagnosis.bad_samples) {
-    bad.push_back({{"image", samples[row.sample].image}, {"line", samples[row.sample].line}, {diagnosis.pixels ? "rms_px" : "distance", row.residual}});
+    bad.push_back({{"image", samples[row.sample].image},
+                   {"line", samples[row.sample].line},
+                   {diagnosis.pixels ? "rms_px" : "distance", row.residual}});
   }
-  for (const AxisMove& move : diagnosis.axis_moves) moves.push_back({{"joint", move.joint}, {"tilt_mrad", 1e3 * move.tilt}, {"shift_mm", 1e3 * move.shift}});
+  for (const AxisMove& move : diagnosis.axis_moves)
+    moves.push_back({{"joint", move.joint}, {"tilt_mrad", 1e3 * move.tilt}, {"shift_mm", 1e3 * move.shift}});
   const Json json{{"format", "poecal-diagnosis/1"},
                   {"verdict", diagnosis.findings.empty() ? "none" : "effects"},
                   {"search", {{"explanations", diagnosis.answers}, {"log_odds_against_none", diagnosis.log_odds}}},

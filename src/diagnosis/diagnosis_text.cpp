@@ -46,7 +46,8 @@ std::string sizes(const Finding& finding) {
 std::string findingText(const Finding& finding) {
   constexpr std::size_t kMostSizes = 8;
   std::string text = fmt::format("  where: {}, driven by {}\n", finding.location, finding.driver);
-  text += fmt::format("  which: {}: {} ({} sure)\n", finding.effect, meaning(finding.effect), percent(std::min(0.999, finding.probability)));
+  text +=
+      fmt::format("  which: {}: {} ({} sure)\n", finding.effect, meaning(finding.effect), percent(std::min(0.999, finding.probability)));
   if (!finding.parameters.empty() && finding.parameters.size() <= kMostSizes) text += fmt::format("         {}\n", sizes(finding));
   if (!finding.images.empty()) {
     constexpr std::size_t kShown = 10;
@@ -58,8 +59,8 @@ std::string findingText(const Finding& finding) {
   }
   if (finding.effect != "bad_samples" && finding.effect != "joint_scatter") {
     text += finding.shrinkage.claimed()
-                ? fmt::format("  how far: the gap shrinks by {} ({} to {})\n", percent(finding.shrinkage.value), percent(finding.shrinkage.interval.first),
-                              percent(finding.shrinkage.interval.second))
+                ? fmt::format("  how far: the gap shrinks by {} ({} to {})\n", percent(finding.shrinkage.value),
+                              percent(finding.shrinkage.interval.first), percent(finding.shrinkage.interval.second))
                 : std::string("  how far: no smaller on poses that the fit did not see; the twists had swallowed it\n");
   }
   if (!finding.remedy.empty()) text += fmt::format("  what to do: {}\n", finding.remedy);
@@ -93,7 +94,8 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
   }
   constexpr std::size_t kShown = 6;
   for (std::size_t k = 0; k < untested.size() && k < kShown; ++k) text += fmt::format("  not tested: {}\n", untested[k]);
-  if (untested.size() > kShown) text += fmt::format("  and {} more that this capture cannot test, see diagnosis.json\n", untested.size() - kShown);
+  if (untested.size() > kShown)
+    text += fmt::format("  and {} more that this capture cannot test, see diagnosis.json\n", untested.size() - kShown);
   return text;
 }
 
@@ -105,8 +107,9 @@ std::string explainEffect(const Diagnosis& diagnosis, const std::string& effect)
   }
   for (const Explained& each : diagnosis.explained) {
     if (each.effect != effect) continue;
-    text += fmt::format("  {} driven by {}: log odds {:.1f}, takes {:.1f} off chi-square, probability {:.3f}; smallest that would be seen {:.2g} {}\n",
-                        each.location, each.driver, each.log_evidence, each.chi_square, each.probability, each.smallest, each.unit);
+    text += fmt::format(
+        "  {} driven by {}: log odds {:.1f}, takes {:.1f} off chi-square, probability {:.3f}; smallest that would be seen {:.2g} {}\n",
+        each.location, each.driver, each.log_evidence, each.chi_square, each.probability, each.smallest, each.unit);
   }
   for (const NotTestable& each : diagnosis.not_testable) {
     if (each.effect == effect) text += fmt::format("  {}: not testable, {}\n", each.location, each.why);

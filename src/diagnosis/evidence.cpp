@@ -70,8 +70,13 @@ const std::vector<double>& evidenceScales() {
 
 Linearised linearise(const MeasuredCell& measured, const ModelState& state, const std::vector<Accepted>& accepted,
                      const std::vector<std::size_t>& scatter, const std::vector<std::vector<std::size_t>>& groups) {
-  Linearised linear{.state = state, .accepted = accepted, .rows = captureRows(measured, state, groups), .columns = {}, .column_prior = {},
-                    .components = {}, .noise = {}};
+  Linearised linear{.state = state,
+                    .accepted = accepted,
+                    .rows = captureRows(measured, state, groups),
+                    .columns = {},
+                    .column_prior = {},
+                    .components = {},
+                    .noise = {}};
   Eigen::Index width = 0;
   for (const Accepted& one : accepted) width += one.candidate.typical.size();
   linear.columns.resize(linear.rows.size(), width);
@@ -129,8 +134,9 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
   Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + extra.cols());
   X << linear.rows.J, extra;
   const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
-  const double penalty = likelihoodAt(linear.rows, linear.components, exact.noise.theta, X, base.joinedWith(prior(start_scale))).log_likelihood -
-                         exact.noise.log_likelihood;
+  const double penalty =
+      likelihoodAt(linear.rows, linear.components, exact.noise.theta, X, base.joinedWith(prior(start_scale))).log_likelihood -
+      exact.noise.log_likelihood;
   std::vector<double> over_scales;
   double best = -std::numeric_limits<double>::infinity();
   for (const double scale : evidenceScales()) {

@@ -20,11 +20,11 @@ struct Accepted {
 struct Linearised {
   ModelState state;
   std::vector<Accepted> accepted;
-  CaptureRows rows;          ///< r without the linear parts of what was accepted
-  Eigen::MatrixXd columns;   ///< of what was accepted
+  CaptureRows rows;         ///< r without the linear parts of what was accepted
+  Eigen::MatrixXd columns;  ///< of what was accepted
   ColumnPrior column_prior;
   std::vector<NoiseComponent> components;
-  NoiseEstimate noise;       ///< with all of this
+  NoiseEstimate noise;  ///< with all of this
 };
 
 /// @param groups  the poses to use; empty: all. @param scatter  joints that move at random by themselves.
@@ -35,11 +35,11 @@ void setNoise(const MeasuredCell& measured, const NoiseEstimate* from, Linearise
 
 /// What the rows say of one explanation.
 struct Evidence {
-  double log_bayes = 0.0;   ///< against none, averaged over sizes from a thirtieth to a hundred times the typical
-  double scale = 1.0;       ///< the size that fits best
-  double chi_square = 0.0;  ///< drop of chi-square at its best fit
-  int dimension = 0;        ///< columns that the rows can see
-  double information = 0.0; ///< mean over the columns of information on a factor in units of the typical
+  double log_bayes = 0.0;    ///< against none, averaged over sizes from a thirtieth to a hundred times the typical
+  double scale = 1.0;        ///< the size that fits best
+  double chi_square = 0.0;   ///< drop of chi-square at its best fit
+  int dimension = 0;         ///< columns that the rows can see
+  double information = 0.0;  ///< mean over the columns of information on a factor in units of the typical
 };
 
 /// Sizes in units of the typical over which evidence is averaged.

@@ -12,8 +12,8 @@ namespace poecal {
 
 /// Sums of one pose (all its shots), collected over the folds.
 struct PoseErrors {
-  double squares = 0.0;  ///< of corner lengths [px^2], or positions [m^2]
-  double points = 0.0;   ///< corners, or positions
+  double squares = 0.0;                                  ///< of corner lengths [px^2], or positions [m^2]
+  double points = 0.0;                                   ///< corners, or positions
   double position = 0.0, rotation = 0.0, targets = 0.0;  ///< squares at the flange, and of how many pictures
 };
 

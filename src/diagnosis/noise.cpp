@@ -5,8 +5,8 @@
 #include <map>
 #include <memory>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
@@ -120,7 +120,7 @@ class ScaledInverse {
 };
 
 NoiseEstimate evaluated(const Whitening& whitening, const Normal& normal, const Eigen::VectorXd& theta, const ColumnPrior& prior,
-                       const ScaledInverse& inverse) {
+                        const ScaledInverse& inverse) {
   NoiseEstimate estimate;
   estimate.theta = theta;
   estimate.b = inverse.solve(normal.g);
@@ -216,11 +216,13 @@ std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const 
         return Eigen::MatrixXd(Eigen::MatrixXd::Identity(part.size, part.size).middleCols(part.size == 6 ? begin : 0, 3));
       };
     };
-    const bool whole = std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& p) { return p.size == 6; });
+    const bool whole =
+        std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& p) { return p.size == 6; });
     if (whole) components.push_back(component(rows, "rotation", 1.0, false, part_of(0)));
     components.push_back(component(rows, "position", 1.0, false, part_of(3)));
   }
-  const bool arm = std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& p) { return p.ports.joints.cols() > 0; });
+  const bool arm =
+      std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& p) { return p.ports.joints.cols() > 0; });
   if (arm && corners) {
     components.push_back(component(rows, "repeatability", kStartRepeatability * kStartRepeatability, true,
                                    [&measured](const ObservationRows& part) { return jointColumns(measured, part); }));
@@ -286,7 +288,8 @@ Whitening::Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>&
       if (Z.cols() > 0) C.noalias() += theta(static_cast<Eigen::Index>(i)) * (Z * Z.transpose());
     }
     Eigen::LLT<Eigen::MatrixXd> llt(C);
-    if (llt.info() != Eigen::Success) throw InsufficientData("the noise of a pose cannot be told from nothing: its rows repeat each other exactly");
+    if (llt.info() != Eigen::Success)
+      throw InsufficientData("the noise of a pose cannot be told from nothing: its rows repeat each other exactly");
     log_determinant_ += 2.0 * llt.matrixLLT().diagonal().array().log().sum();
     begin_.push_back(begin);
     L_.push_back(llt.matrixL());
@@ -330,8 +333,8 @@ NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& stat
     start.head(known) = from->theta.head(known);
     tolerance = from->tolerance;
   }
-  const Eigen::VectorXd floor = Eigen::VectorXd::NullaryExpr(
-      count, [&components](Eigen::Index i) { return 1e-6 * components[static_cast<std::size_t>(i)].start; });
+  const Eigen::VectorXd floor =
+      Eigen::VectorXd::NullaryExpr(count, [&components](Eigen::Index i) { return 1e-6 * components[static_cast<std::size_t>(i)].start; });
   // One that an earlier estimate found to be nothing begins small, not at nothing, from where its logarithm would not come back.
   constexpr double kSmallStart = 0.05;
   Eigen::VectorXd theta = start.cwiseMax(1e6 * kSmallStart * floor);
@@ -339,7 +342,8 @@ NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& stat
   std::unique_ptr<const NoisePoint> best;
   constexpr int kMaxSteps = 40;
   for (int step = 0; step < kMaxSteps; ++step) {
-    auto here = std::make_unique<const NoisePoint>(rows, components, theta, X, basePrior(measured, state, tolerance).joinedWith(extra_prior), tolerance);
+    auto here = std::make_unique<const NoisePoint>(rows, components, theta, X,
+                                                   basePrior(measured, state, tolerance).joinedWith(extra_prior), tolerance);
     const double gain = best ? here->estimate.log_likelihood - best->estimate.log_likelihood : 1.0;
     if (best && gain < -1e-9) {
       damping *= 10.0;

@@ -17,7 +17,7 @@ namespace poecal {
 
 /// V_i = Z_i Z_i^T of one component, for each pose (group): rows of the pose x width. Columns are what one draw of it moves.
 struct NoiseComponent {
-  std::string name;  ///< "corner", "tag", "repeatability", "rotation", "position", "scatter joint:3"
+  std::string name;    ///< "corner", "tag", "repeatability", "rotation", "position", "scatter joint:3"
   double start = 0.0;  ///< variance to begin from
   std::vector<Eigen::MatrixXd> Z;
 };
@@ -66,10 +66,10 @@ class Whitening {
 
 /// Where an estimate of the noise stands.
 struct NoiseEstimate {
-  Eigen::VectorXd theta;    ///< variances of the components
-  double tolerance = 1.0;   ///< factor by which the arm exceeds its tolerances, >= 1
+  Eigen::VectorXd theta;   ///< variances of the components
+  double tolerance = 1.0;  ///< factor by which the arm exceeds its tolerances, >= 1
   double log_likelihood = 0.0;
-  Eigen::VectorXd b;        ///< of the columns
+  Eigen::VectorXd b;  ///< of the columns
   Eigen::MatrixXd covariance;
 };
 

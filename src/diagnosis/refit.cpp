@@ -26,7 +26,8 @@ double take(const MeasuredCell& measured, const NoiseEstimate& solution, ModelSt
     begin += count;
     if (!one.candidate.known()) continue;
     Eigen::VectorXd& parameters = state.effects[one.effect].parameters;
-    for (std::size_t i = 0; i < one.candidate.linear.size(); ++i) parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < one.candidate.linear.size(); ++i)
+      parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
   }
   return solution.b.cwiseAbs().cwiseQuotient(solution.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt()).maxCoeff();
 }
@@ -40,12 +41,13 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
     if (!one.candidate.known()) continue;
     one.effect = state.effects.size();
     Eigen::VectorXd parameters = one.candidate.parameters;
-    for (std::size_t i = 0; i < one.candidate.linear.size(); ++i) parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < one.candidate.linear.size(); ++i)
+      parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
     state.effects.push_back({*one.candidate.effect, parameters});
   }
   constexpr int kMaxSteps = 8;
   constexpr double kSettled = 0.01;  // standard deviations
-  constexpr int kNoiseSteps = 2;  // the second sees residuals that no longer change
+  constexpr int kNoiseSteps = 2;     // the second sees residuals that no longer change
   NoiseEstimate at = noise;
   for (int step = 0;; ++step) {
     Linearised linear = linearise(measured, state, accepted, scatter, groups);

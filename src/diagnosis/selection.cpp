@@ -10,12 +10,11 @@
 namespace poecal {
 namespace {
 
-constexpr double kAcceptance = 2.5;        // log of the odds against none that a finding needs; without any effect 1 capture in 200 reaches 0.5
+constexpr double kAcceptance = 2.5;  // log of the odds against none that a finding needs; without any effect 1 capture in 200 reaches 0.5
 constexpr double kAcceptanceBeside = 4.5;  // that another one needs beside it
 constexpr double kScatterShare = 0.2;      // prior share of joints that move at random
 constexpr double kRelativeMisfit = 0.005;  // of an explanation's chi-square that its own imprecision may leave: 7 % of its size
 constexpr std::size_t kShortlist = 8, kCurveShortlist = 4;
-constexpr std::size_t kMostFindings = 4;
 
 double logSumExp(const std::vector<double>& values) {
   if (values.empty()) return -std::numeric_limits<double>::infinity();
@@ -72,9 +71,15 @@ class Ranker {
         if (weight(ranking, i) > weight(ranking, best)) best = i;
       }
       const Candidate& candidate = candidates_[best];
-      RankedAnswer answer{.name = candidate.name, .location = candidate.location, .driver = candidate.driver, .log_weight = logSumExp(weights),
-                          .log_bayes = ranking.screened[best].log_bayes, .chi_square = ranking.screened[best].chi_square, .candidate = candidate,
-                          .scatter = {}, .exact = {}};
+      RankedAnswer answer{.name = candidate.name,
+                          .location = candidate.location,
+                          .driver = candidate.driver,
+                          .log_weight = logSumExp(weights),
+                          .log_bayes = ranking.screened[best].log_bayes,
+                          .chi_square = ranking.screened[best].chi_square,
+                          .candidate = candidate,
+                          .scatter = {},
+                          .exact = {}};
       starts_[name] = ranking.screened[best].scale;
       ranking.answers.push_back(std::move(answer));
     }
@@ -157,12 +162,12 @@ std::size_t chosenAnswer(const Ranking& ranking) {
 
 class Selector {
  public:
-  Selector(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns) {
+  Selector(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns, std::size_t most)
+      : other_columns_(other_columns), most_(most) {
     selection_.measured = measured;
     selection_.base = state;
     selection_.kept.resize(measured.observations.size());
     std::iota(selection_.kept.begin(), selection_.kept.end(), 0);
-    other_columns_ = other_columns;
   }
 
   Selection run(const std::vector<std::size_t>& wild) {
@@ -179,7 +184,7 @@ class Selector {
         selection_.base_evidence = ranking.screened;
         selection_.base_ranking = ranking;
       }
-      if (selection_.findings.size() < kMostFindings && accept(ranking)) {
+      if (selection_.findings.size() < most_ && accept(ranking)) {
         settle();
         continue;
       }
@@ -202,7 +207,7 @@ class Selector {
     double probability;
   };
   // Before any effect is known only what no effect does to a single pose; at the end what chance does not do once in ten million captures.
-  static constexpr Wild kWildAtOnce{60.0, 1e-30}, kWildAtLast{4.0, 1e-9};
+  static constexpr Wild kWildAtOnce{150.0, 1e-30}, kWildAtLast{4.0, 1e-9};
 
   static NoiseEstimate startNoise() { return {}; }
   Ranker ranker() const { return Ranker(selection_.measured, selection_.candidates); }
@@ -272,17 +277,46 @@ class Selector {
                                             [](const FoundEffect& found) { return found.name == "unknown"; });
     if (unknown_before) needed += 14.0 + 0.02 * explained();
     if (!(answer.log_weight > needed)) return false;
-    FoundEffect found = finding(answer);
+    take(ranking, chosen);
+    if (const std::optional<std::size_t> curve = curveThatExplainsMore(ranking, answer)) {
+      selection_.findings.pop_back();
+      take(ranking, *curve);
+    }
+    return true;
+  }
+
+  void take(const Ranking& ranking, std::size_t chosen) {
+    FoundEffect found = finding(ranking.answers[chosen]);
     found.ranking = ranking;
     std::swap(found.ranking.answers[0], found.ranking.answers[chosen]);
     selection_.findings.push_back(std::move(found));
     refitAll();
-    return true;
+  }
+
+  /// A named effect is not the cause where, with it in, a curve at the same place still finds structure: it is the nearest shape that has a
+  /// name. @return the answer to give instead: the best curve there.
+  std::optional<std::size_t> curveThatExplainsMore(const Ranking& ranking, const RankedAnswer& named) const {
+    if (named.name == "unknown") return {};
+    std::vector<Candidate> there;
+    for (const Candidate& candidate : selection_.candidates) {
+      if (!candidate.known() && candidate.location == named.location) there.push_back(candidate);
+    }
+    constexpr double kStructure = 3.0;  // log of the odds that something is left there
+    double left = 0.0;
+    for (const Evidence& evidence : screen(linear_, there)) left = std::max(left, evidence.log_bayes);
+    if (!(left > kStructure + kRelativeMisfit * named.chi_square)) return {};
+    for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
+      const RankedAnswer& answer = ranking.answers[i];
+      // A curve that explains clearly less is not what the named one stands for: then two effects are at one place.
+      if (answer.name == "unknown" && answer.location == named.location && answer.log_weight > named.log_weight - left) return i;
+    }
+    return {};
   }
 
   void refitAll() {
     NoiseEstimate from = linear_.noise;
-    from.theta = from.theta.head(std::min<Eigen::Index>(from.theta.size(), static_cast<Eigen::Index>(noiseComponents(selection_.measured, linear_.rows).size())));
+    from.theta = from.theta.head(
+        std::min<Eigen::Index>(from.theta.size(), static_cast<Eigen::Index>(noiseComponents(selection_.measured, linear_.rows).size())));
     linear_ = refit(selection_.measured, selection_.base, accepted(), scatter(), from, {}, true);
     std::size_t next = 0;
     for (FoundEffect& found : selection_.findings) {
@@ -328,7 +362,8 @@ class Selector {
     std::vector<std::size_t> groups;
     for (std::size_t g = 0; g < selection_.measured.groups.size(); ++g) {
       const std::vector<std::size_t>& shots = selection_.measured.groups[g];
-      const bool any = std::any_of(shots.begin(), shots.end(), [&](std::size_t k) { return std::binary_search(observations.begin(), observations.end(), k); });
+      const bool any = std::any_of(shots.begin(), shots.end(),
+                                   [&](std::size_t k) { return std::binary_search(observations.begin(), observations.end(), k); });
       if (any) groups.push_back(g);
     }
     return groups;
@@ -441,6 +476,7 @@ class Selector {
   Selection selection_;
   Linearised linear_;
   std::vector<std::string> other_columns_;
+  std::size_t most_;
 };
 
 }  // namespace
@@ -454,8 +490,8 @@ double Ranking::probability(std::size_t answer) const {
 double Ranking::pValue() const { return std::min(1.0, std::exp(-log_total)); }
 
 Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
-                        const std::vector<std::string>& other_columns) {
-  return Selector(measured, state, other_columns).run(wild);
+                        const std::vector<std::string>& other_columns, std::size_t most) {
+  return Selector(measured, state, other_columns, most).run(wild);
 }
 
 }  // namespace poecal

@@ -24,7 +24,7 @@ struct RankedAnswer {
 /// All answers, best first, with what the others are worth.
 struct Ranking {
   std::vector<RankedAnswer> answers;
-  double log_total = 0.0;  ///< log of the sum of all weights against none
+  double log_total = 0.0;          ///< log of the sum of all weights against none
   std::vector<Evidence> screened;  ///< of the candidates, in their order
 
   /// Posterior share of an answer among all, none included.
@@ -43,9 +43,9 @@ struct FoundEffect {
 };
 
 struct Selection {
-  ModelState base;          ///< without effects
-  Linearised base_linear;   ///< there, with its noise
-  Linearised linear;        ///< with all findings, re-fitted
+  ModelState base;         ///< without effects
+  Linearised base_linear;  ///< there, with its noise
+  Linearised linear;       ///< with all findings, re-fitted
   std::vector<FoundEffect> findings;
   std::vector<Candidate> candidates;
   std::vector<NotTestable> not_testable;
@@ -56,10 +56,11 @@ struct Selection {
   MeasuredCell measured;                ///< without the bad ones
 };
 
-/// Searches. @param state  the identified cell. @param wild  observations that a robust fit left out by far; they are left out from the start
-/// unless they are a run in time. @param other_columns  names of further columns of the samples.
+/// Searches. @param state  the identified cell. @param wild  observations that a robust fit left out by far; they are left out from the
+/// start unless they are a run in time. @param other_columns  names of further columns of the samples. @param most  findings at which to
+/// stop.
 Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
-                        const std::vector<std::string>& other_columns);
+                        const std::vector<std::string>& other_columns, std::size_t most);
 
 /// A state re-fitted with what was accepted, at a noise: Gauss-Newton on the exact residuals.
 /// @param groups  poses to fit; empty: all.

@@ -5,9 +5,9 @@
 namespace poecal::kinds {
 namespace {
 
-void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
+void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters, const SampleContext& context, double amount,
                    Disturbance& disturbance) {
-  disturbance.mount(i) += amount * context.elapsed(effect.driver());
+  disturbance.mount(i) += amount * drifted(effect, parameters, context);
 }
 
 }  // namespace
@@ -18,9 +18,10 @@ EffectKind cameraDrift() {
   kind.place = PlaceKind::kCameraMount;
   kind.drivers = {"stamp", "temperature"};
   kind.parameters = twistParameters(5e-4, 5e-4, "/t");
+  kind.parameters.push_back(driftReference());
   kind.meaning = "the camera's mount moves steadily";
   kind.formula =
-      "T_camera_near becomes exp(t (rx ry rz tx ty tz)) T_camera_near, t in hours since the first sample or kelvin above its temperature";
+      "T_camera_near becomes exp(t (rx ry rz tx ty tz)) T_camera_near, t in hours since the reference (the first sample) or kelvin above it";
   kind.confused_with = {"camera_slip", "focal_drift", "link_expansion"};
   kind.separate = "a tag that never moves in view; poses in an order unlike time's";
   kind.remedy = "stiffen the camera's mount and let it warm up";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -72,8 +73,9 @@ void checkSource(const EffectKind& kind, const EffectSpec& spec, std::size_t ind
   }
 }
 
-/// The kinds state units of a turning joint, and "/t" for whatever time their driver measures.
+/// The kinds state units of a turning joint, and "/t" and "t" for whatever their driver measures.
 std::string unitAt(const std::string& unit, const std::string& driver, bool slides) {
+  if (unit == "t") return driver == "temperature" ? "degC" : "s";
   const std::string timed = replaced(unit, "/t", driver == "temperature" ? "/K" : "/h");
   if (!slides) return timed;
   return timed.starts_with("rad/(N m)") ? replaced(timed, "rad/(N m)", "m/N") : replaced(timed, "rad", "m");
@@ -171,6 +173,7 @@ Effect instantiate(const EffectKind& kind, std::size_t index, const std::string&
     EffectParameter& parameter = effect.parameters_[i];
     parameter.unit = unitAt(parameter.unit, driver, slides);
     const auto given = parameters.find(parameter.name);
+    if (parameter.name == "reference") effect.start_(static_cast<Eigen::Index>(i)) = std::numeric_limits<double>::quiet_NaN();
     if (parameter.role == ParameterRole::kFixed && given != parameters.end()) effect.start_(static_cast<Eigen::Index>(i)) = given->second;
   }
   return effect;
@@ -210,7 +213,7 @@ AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell) {
   Eigen::VectorXd parameters = effect.start();
   for (const auto& [name, value] : spec.parameters) parameters(effect.parameterIndex(name)) = value;
   for (const EffectParameter& parameter : effect.parameters()) {
-    if (parameter.role != ParameterRole::kLinear && parameter.name != "seed" && !spec.parameters.contains(parameter.name)) {
+    if (parameter.role != ParameterRole::kLinear && parameter.name != "seed" && parameter.name != "reference" && !spec.parameters.contains(parameter.name)) {
       throw InvalidArgument(fmt::format("{} needs its parameter '{}'", kind.name, parameter.name));
     }
   }

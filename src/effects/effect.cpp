@@ -1,5 +1,7 @@
 #include "poecal/effects/effect.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -73,7 +75,10 @@ void Effect::disturbAtRandom(const Eigen::VectorXd& parameters, const SampleCont
 
 EffectSpec Effect::spec(const Eigen::VectorXd& parameters) const {
   EffectSpec spec{.effect = name(), .location = location(), .parameters = {}, .driver = driver_};
-  for (std::size_t i = 0; i < parameters_.size(); ++i) spec.parameters[parameters_[i].name] = parameters(static_cast<Eigen::Index>(i));
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    const double value = parameters(static_cast<Eigen::Index>(i));
+    if (!std::isnan(value)) spec.parameters[parameters_[i].name] = value;
+  }
   return spec;
 }
 

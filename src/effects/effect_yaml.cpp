@@ -1,5 +1,7 @@
 #include "effects/effect_yaml.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -21,16 +23,25 @@ AppliedEffect readEffect(const YamlNode& entry, const Cell& cell, bool as_found)
   const YamlNode parameters = entry["parameters"];
   for (const std::string& name : parameters.keys()) spec.parameters[name] = parameters[name.c_str()].number();
   try {
-    return makeEffect(spec, cell);
+    AppliedEffect applied = makeEffect(spec, cell);
+    if (const auto deviations = as_found ? entry.find("standard_deviation") : std::nullopt) {
+      applied.standard_deviation = Eigen::VectorXd::Zero(applied.parameters.size());
+      for (const std::string& name : deviations->keys()) {
+        applied.standard_deviation(applied.effect.parameterIndex(name)) = (*deviations)[name.c_str()].number();
+      }
+    }
+    return applied;
   } catch (const InvalidArgument& error) {
     entry.fail(error.what());
   }
 }
 
+/// Those that are numbers; NaN stands for what was left out.
 std::string namedNumbers(const Effect& effect, const Eigen::VectorXd& values) {
   std::vector<std::string> pairs;
   for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
-    pairs.push_back(fmt::format("{}: {}", effect.parameters()[i].name, formatNumber(values(static_cast<Eigen::Index>(i)))));
+    const double value = values(static_cast<Eigen::Index>(i));
+    if (!std::isnan(value)) pairs.push_back(fmt::format("{}: {}", effect.parameters()[i].name, formatNumber(value)));
   }
   return fmt::format("{{{}}}", fmt::join(pairs, ", "));
 }
@@ -53,9 +64,12 @@ std::vector<AppliedEffect> readEffects(const YamlNode& list, const Cell& cell, b
 std::string effectsYaml(const std::vector<AppliedEffect>& effects) {
   if (effects.empty()) return "effects: []\n";
   std::string text = "effects:\n";
-  for (const auto& [effect, parameters] : effects) {
-    text += fmt::format("- {{effect: {}, location: {}, driver: {}, parameters: {}, units: {}}}\n", effect.name(),
-                        yamlText(effect.location()), yamlText(effect.driver()), namedNumbers(effect, parameters), namedUnits(effect));
+  for (const AppliedEffect& applied : effects) {
+    const Effect& effect = applied.effect;
+    text += fmt::format("- {{effect: {}, location: {}, driver: {}, parameters: {}, units: {}", effect.name(), yamlText(effect.location()),
+                        yamlText(effect.driver()), namedNumbers(effect, applied.parameters), namedUnits(effect));
+    if (applied.standard_deviation.size() > 0) text += ", standard_deviation: " + namedNumbers(effect, applied.standard_deviation);
+    text += "}\n";
   }
   return text;
 }

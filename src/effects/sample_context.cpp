@@ -95,9 +95,10 @@ void addPoints(const CaptureContext& capture, const std::vector<TargetPoint>& po
 
 }  // namespace
 
-double SampleContext::elapsed(const std::string& driver) const {
-  if (driver == "stamp") return (sample.stamp.value_or(kNaN) - capture->first_stamp) / kSecondsInAnHour;
-  if (driver == "temperature") return sample.temperature.value_or(kNaN) - capture->first_temperature;
+double SampleContext::elapsed(const std::string& driver, double reference) const {
+  const auto since = [reference](double first) { return std::isnan(reference) ? first : reference; };
+  if (driver == "stamp") return (sample.stamp.value_or(kNaN) - since(capture->first_stamp)) / kSecondsInAnHour;
+  if (driver == "temperature") return sample.temperature.value_or(kNaN) - since(capture->first_temperature);
   return kNaN;
 }
 

@@ -33,6 +33,12 @@ std::vector<EffectParameter> slipParameters(double rotation, double translation)
 
 Eigen::Index massColumn(const Effect& effect, Eigen::Index i) { return 4 * static_cast<Eigen::Index>(effect.index()) + i; }
 
+EffectParameter driftReference() { return {"reference", "t", 0.0, ParameterRole::kFixed}; }
+
+double drifted(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context) {
+  return context.elapsed(effect.driver(), parameters(parameters.size() - 1));
+}
+
 double hasHappened(const SampleContext& context, double time) { return context.sample.stamp && *context.sample.stamp >= time ? 1.0 : 0.0; }
 
 Rng drawsOf(double seed, const SampleContext& context) { return Rng(static_cast<std::uint64_t>(seed), context.number); }

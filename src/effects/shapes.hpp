@@ -32,6 +32,12 @@ std::vector<EffectParameter> slipParameters(double rotation, double translation)
 /// Where the masses are not known: the column of parameter i in the context's functions of the masses.
 Eigen::Index massColumn(const Effect& effect, Eigen::Index i);
 
+/// When or at which temperature a drift is zero; where it is left out, at the first sample.
+EffectParameter driftReference();
+
+/// Hours or kelvin since a drift's reference, the last of its parameters.
+double drifted(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context);
+
 /// 1 from `time` on, 0 before it and where no stamp is known.
 double hasHappened(const SampleContext& context, double time);
 

@@ -40,7 +40,8 @@ TEST_P(EachCause, IsNamedWithItsSize) {
   EXPECT_EQ(found.effect, cause.spec.effect);
   EXPECT_EQ(found.location, cause.spec.location);
   // One draw of one seed: four of its own standard deviations.
-  EXPECT_NEAR(found.parameters.at(cause.parameter), cause.spec.parameters.at(cause.parameter), 4.0 * found.standard_deviation.at(cause.parameter));
+  EXPECT_NEAR(found.parameters.at(cause.parameter), cause.spec.parameters.at(cause.parameter),
+              4.0 * found.standard_deviation.at(cause.parameter));
   EXPECT_GT(found.probability, 0.9);
   EXPECT_LT(found.p_value, 1e-6);
 }
@@ -65,7 +66,8 @@ TEST(Diagnose, TagOfAnotherSizeIsSwallowedByLinksThatNoToleranceAllows) {
 }
 
 TEST(Diagnose, JointThatMovesAtRandomIsNoEffectOfItsPose) {
-  const Diagnosis diagnosis = test::smallCell(4, kPoses, kSigma, {{"joint_scatter", "joint:2", {{"sigma", 3e-4}, {"seed", 5.0}}}}).diagnosis();
+  const Diagnosis diagnosis =
+      test::smallCell(4, kPoses, kSigma, {{"joint_scatter", "joint:2", {{"sigma", 3e-4}, {"seed", 5.0}}}}).diagnosis();
   ASSERT_THAT(diagnosis.findings, SizeIs(1));
   EXPECT_EQ(diagnosis.findings.front().effect, "joint_scatter");
   EXPECT_EQ(diagnosis.findings.front().location, "joint:2");
@@ -110,10 +112,12 @@ TEST(Diagnose, JsonHasTheWordsOfTheContract) {
   const auto json = nlohmann::json::parse(diagnosisJson(small.diagnosis(), small.samples));
   EXPECT_EQ(json["format"], "poecal-diagnosis/1");
   EXPECT_EQ(json["verdict"], "effects");
-  for (const char* key : {"noise", "gap", "findings", "where", "remaining", "detectable", "not_testable"}) EXPECT_TRUE(json.contains(key)) << key;
-  for (const char* key : {"stages", "before_excess_px", "after_excess_px", "shrinkage", "shrinkage_ci95"}) EXPECT_TRUE(json["gap"].contains(key)) << key;
-  for (const char* key : {"effect", "location", "driver", "parameters", "standard_deviation", "units", "probability", "p_value", "shrinkage",
-                          "shrinkage_ci95", "alternatives", "separate_with"}) {
+  for (const char* key : {"noise", "gap", "findings", "where", "remaining", "detectable", "not_testable"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  for (const char* key : {"stages", "before_excess_px", "after_excess_px", "shrinkage", "shrinkage_ci95"})
+    EXPECT_TRUE(json["gap"].contains(key)) << key;
+  for (const char* key : {"effect", "location", "driver", "parameters", "standard_deviation", "units", "probability", "p_value",
+                          "shrinkage", "shrinkage_ci95", "alternatives", "separate_with"}) {
     EXPECT_TRUE(json["findings"][0].contains(key)) << key;
   }
   EXPECT_EQ(json["gap"]["stages"][2]["stage"], "identified");

@@ -72,7 +72,8 @@ TEST(Noise, VariancesAreThoseDrawn) {
   ModelState state;
   Rows without_base = made;
   without_base.rows.J.resize(made.rows.r.size(), 0);
-  const NoiseEstimate estimate = estimateNoise(measured, state, without_base.rows, made.components, made.rows.J, ColumnPrior::none(2), nullptr);
+  const NoiseEstimate estimate =
+      estimateNoise(measured, state, without_base.rows, made.components, made.rows.J, ColumnPrior::none(2), nullptr);
   EXPECT_NEAR(estimate.theta(0), 0.25, 0.12 * 0.25);
   EXPECT_NEAR(estimate.theta(1), 0.64, 0.21 * 0.64);
   EXPECT_NEAR(estimate.b(0), 0.3, 4.0 * std::sqrt(estimate.covariance(0, 0)));

@@ -11,11 +11,12 @@ Arm spatialArm() {
   Arm arm;
   arm.name = "small";
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
-  arm.joints = {Joint::revolute("joint_1", z, {0.0, 0.0, 0.0}), Joint::revolute("joint_2", y, {0.05, 0.0, 0.35}),
+  arm.joints = {Joint::revolute("joint_1", z, {0.0, 0.0, 0.0}),   Joint::revolute("joint_2", y, {0.05, 0.0, 0.35}),
                 Joint::revolute("joint_3", y, {0.05, 0.0, 0.75}), Joint::revolute("joint_4", x, {0.25, 0.0, 0.8}),
-                Joint::revolute("joint_5", y, {0.45, 0.0, 0.8}), Joint::revolute("joint_6", x, {0.5, 0.0, 0.8})};
+                Joint::revolute("joint_5", y, {0.45, 0.0, 0.8}),  Joint::revolute("joint_6", x, {0.5, 0.0, 0.8})};
   arm.gamma << 0.0, 0.0, 0.0, 0.55, 0.0, 0.8;
-  arm.links = {{8.0, {0.0, 0.0, 0.2}}, {6.0, {0.05, 0.02, 0.55}}, {4.0, {0.15, 0.0, 0.78}}, {2.0, {0.3, 0.01, 0.8}}, {1.0, {0.45, 0.0, 0.8}}, {0.5, {0.52, 0.0, 0.8}}};
+  arm.links = {{8.0, {0.0, 0.0, 0.2}},  {6.0, {0.05, 0.02, 0.55}}, {4.0, {0.15, 0.0, 0.78}},
+               {2.0, {0.3, 0.01, 0.8}}, {1.0, {0.45, 0.0, 0.8}},   {0.5, {0.52, 0.0, 0.8}}};
   return arm;
 }
 
@@ -72,7 +73,8 @@ SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vect
   }
   std::vector<AppliedEffect> applied;
   for (const EffectSpec& spec : effects) applied.push_back(makeEffect(spec, small.cell));
-  const std::vector<Disturbance> disturbances = disturbancesOf(applied, small.cell, small.target, {0.0, 0.0, -9.80665}, small.samples, true);
+  const std::vector<Disturbance> disturbances =
+      disturbancesOf(applied, small.cell, small.target, {0.0, 0.0, -9.80665}, small.samples, true);
   for (std::size_t k = 0; k < small.samples.size(); ++k) {
     Observation observation{.sample = k, .q = small.samples[k].q, .T_base_flange = {}, .corners = {}, .pose = {}};
     const auto px = disturbances[k].joints.size() > 0
@@ -80,7 +82,8 @@ SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vect
                         : disturbedCorners(small.cell, small.samples[k], small.target.points, Disturbance::zero(small.cell, 4));
     for (std::size_t j = 0; j < px.size(); ++j) {
       const Eigen::Vector2d noise(rng.normal(), rng.normal());
-      observation.corners.push_back({.id = small.target.points[j].id, .p_target = small.target.points[j].p_target, .px = *px[j] + sigma * noise, .sigma_px = 1.0});
+      observation.corners.push_back(
+          {.id = small.target.points[j].id, .p_target = small.target.points[j].p_target, .px = *px[j] + sigma * noise, .sigma_px = 1.0});
     }
     small.observations.push_back(observation);
   }

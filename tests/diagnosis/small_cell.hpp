@@ -20,8 +20,8 @@ struct SmallCell {
   Diagnosis diagnosis() const;
 };
 
-/// Six turning joints with masses before a fixed camera; axes off by 0.5 mm and 2 mrad, `poses` poses, corners with `sigma` [px] and what the
-/// effects do.
+/// Six turning joints with masses before a fixed camera; axes off by 0.5 mm and 2 mrad, `poses` poses, corners with `sigma` [px] and what
+/// the effects do.
 SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vector<EffectSpec>& effects);
 
 }  // namespace poecal::test

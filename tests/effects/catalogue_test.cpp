@@ -93,7 +93,8 @@ TEST(MakeEffect, SpecMakesTheSameAgain) {
   for (const Effect& effect : candidateEffects(rich.cell, rich.target, rich.samples).effects) {
     Eigen::VectorXd parameters = effect.start();
     for (Eigen::Index i = 0; i < parameters.size(); ++i) {
-      if (effect.parameters()[static_cast<std::size_t>(i)].role == ParameterRole::kLinear) parameters(i) = rng.uniform(-1.0, 1.0);
+      const bool left_out = std::isnan(parameters(i));
+      if (left_out || effect.parameters()[static_cast<std::size_t>(i)].role == ParameterRole::kLinear) parameters(i) = rng.uniform(-1.0, 1.0);
     }
     const AppliedEffect again = makeEffect(effect.spec(parameters), rich.cell);
     EXPECT_EQ(again.effect.driver(), effect.driver());

@@ -24,11 +24,11 @@ struct DiagnoseOptions {
 
 /// One rung of the ladder, on poses that its fit did not see.
 struct GapStage {
-  std::string stage;           ///< "nominal", "registered", "identified", "identified + joint_gain@joint:2", ...
-  double rms = 0.0;            ///< length of a corner's residual [px]; for poses the distance [m]
-  double excess = 0.0;         ///< sqrt(max(0, rms^2 - noise^2)) [px] or [m]
-  double position = 0.0;       ///< at the flange, root mean square [m]
-  double rotation = 0.0;       ///< [rad]
+  std::string stage;      ///< "nominal", "registered", "identified", "identified + joint_gain@joint:2", ...
+  double rms = 0.0;       ///< length of a corner's residual [px]; for poses the distance [m]
+  double excess = 0.0;    ///< sqrt(max(0, rms^2 - noise^2)) [px] or [m]
+  double position = 0.0;  ///< at the flange, root mean square [m]
+  double rotation = 0.0;  ///< [rad]
 };
 
 /// Where a finding's name is not the only one that the data leave open.
@@ -56,10 +56,10 @@ struct Finding {
   std::map<std::string, double> parameters = {}, standard_deviation = {};
   std::map<std::string, std::string> units = {};
   double probability = 0.0;
-  double p_value = 1.0;      ///< bound of the chance that nothing looks so, over all explanations tried (Ville)
-  double log_evidence = 0.0; ///< log of the odds against its absence that the data give, all else being in
+  double p_value = 1.0;       ///< bound of the chance that nothing looks so, over all explanations tried (Ville)
+  double log_evidence = 0.0;  ///< log of the odds against its absence that the data give, all else being in
   double chi_square = 0.0;
-  Shrinkage shrinkage = {};       ///< of the model with it against the model with all others
+  Shrinkage shrinkage = {};  ///< of the model with it against the model with all others
   std::vector<AlternativeCause> alternatives = {};
   std::string separate_with = {};  ///< what would tell the alternatives apart; empty where none is close
   std::string remedy = {};
@@ -95,13 +95,13 @@ struct Explained {
 };
 
 struct Diagnosis {
-  bool pixels = true;       ///< corners; otherwise poses of an instrument
-  double noise_sigma = 0.0; ///< per axis [px], or of a position [m]
-  double tag_sigma = 0.0;   ///< what all corners of a tag share, per axis [px]
-  double repeatability = 0.0;      ///< of every joint [rad]
-  double rotation_sigma = 0.0;     ///< poses [rad]
-  std::string noise_source;        ///< "repeats", "estimated"
-  double noise_rms = 0.0;          ///< of a corner's length [px], or a position's [m], all of the noise together
+  bool pixels = true;                 ///< corners; otherwise poses of an instrument
+  double noise_sigma = 0.0;           ///< per axis [px], or of a position [m]
+  double tag_sigma = 0.0;             ///< what all corners of a tag share, per axis [px]
+  double repeatability = 0.0;         ///< of every joint [rad]
+  double rotation_sigma = 0.0;        ///< poses [rad]
+  std::string noise_source;           ///< "repeats", "estimated"
+  double noise_rms = 0.0;             ///< of a corner's length [px], or a position's [m], all of the noise together
   double log_odds = 0.0;              ///< of all explanations together against none, before anything was taken up
   int answers = 0;                    ///< explanations that were weighed
   double arm_beyond_tolerance = 1.0;  ///< factor by which the arm exceeds the tolerances

@@ -91,7 +91,7 @@ class Effect {
   /// others.
   void disturbAtRandom(const Eigen::VectorXd& parameters, const SampleContext& context, Disturbance& disturbance) const;
 
-  /// The instance as a file says it.
+  /// The instance as a file says it; parameters that are NaN (a drift's reference that was left out) are left out.
   EffectSpec spec(const Eigen::VectorXd& parameters) const;
 
  private:
@@ -111,6 +111,7 @@ class Effect {
 struct AppliedEffect {
   Effect effect;
   Eigen::VectorXd parameters;
+  Eigen::VectorXd standard_deviation = {};  ///< of the parameters, where they were estimated; 0 for those that were not; else empty
 };
 
 /// What all effects of a list do to one sample. @param at_random  with the draws of the random ones, as the simulator wants.

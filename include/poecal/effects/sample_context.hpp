@@ -52,9 +52,9 @@ struct SampleContext {
   Eigen::MatrixXd base_moment_by_masses;
   std::vector<PointContext> points;
 
-  /// Hours since the first stamp, or kelvin above the first temperature, by what drives the effect ("stamp", "temperature"); NaN where
-  /// the sample has no such value.
-  double elapsed(const std::string& driver) const;
+  /// Hours since a stamp, or kelvin above a temperature, by what drives the effect ("stamp", "temperature"); NaN where the sample has no
+  /// such value. @param reference  NaN: the first of the capture.
+  double elapsed(const std::string& driver, double reference) const;
 };
 
 /// The common part. @param table  for the first and last stamp and the first temperature.
