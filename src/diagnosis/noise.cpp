@@ -17,8 +17,6 @@ namespace {
 constexpr double kStartCorner = 0.1;          // [px]
 constexpr double kStartTag = 0.02;            // [px]
 constexpr double kStartRepeatability = 2e-5;  // [rad]
-// A sliding joint's share of the common repeatability: 1e-5 rad beside 1e-6 m.
-constexpr double kMetresPerRadian = 0.1;
 
 int groupRows(const CaptureRows& rows, std::size_t g) {
   int count = 0;

@@ -15,6 +15,9 @@
 
 namespace poecal {
 
+/// A sliding joint's share of the common repeatability: 1e-6 m beside 1e-5 rad.
+constexpr double kMetresPerRadian = 0.1;
+
 /// V_i = Z_i Z_i^T of one component, for each pose (group): rows of the pose x width. Columns are what one draw of it moves.
 struct NoiseComponent {
   std::string name;    ///< "corner", "tag", "repeatability", "rotation", "position", "scatter joint:3"

@@ -131,10 +131,13 @@ class Ranker {
       RankedAnswer answer{.name = "joint_scatter", .location = "joint:" + std::to_string(k + 1), .driver = "none", .scatter = k};
       if (std::find(taken.begin(), taken.end(), answer.name + "@" + answer.location + "/none") != taken.end()) continue;
       constexpr double kWorthTrying = 0.0;
-      // Joints are not all alike: one is beyond its repeatability where it moves twice as far as they do together.
-      constexpr double kBeyond = 3.0;
+      // Joints are not all alike, and good ones come back to some 1e-5 rad: one is beyond that where it moves twice as far as they do together,
+      // and farther than any catalogue allows.
+      constexpr double kBeyond = 3.0, kUsual = 4e-5;
       if (scatterScore(white, jointScatter(linear.rows, k, 1.0)) < kWorthTrying) continue;
       answer.exact = scatterEvidence(linear, measured_, k);
+      const bool slides = measured_.start.arm->joints[k].type == JointType::kPrismatic;
+      if (!(answer.exact->scale > (slides ? kMetresPerRadian : 1.0) * kUsual)) continue;
       if (!(answer.exact->scale * answer.exact->scale > kBeyond * repeatability(linear, answer.exact->noise))) continue;
       answer.log_bayes = answer.exact->log_bayes;
       answer.log_weight = answer.log_bayes + std::log(kScatterShare / static_cast<double>(joints));
