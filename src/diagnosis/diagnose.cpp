@@ -58,10 +58,13 @@ std::vector<std::size_t> grosslyWild(const Identification& identification, const
   for (std::size_t k = 0; k < measured.observations.size(); ++k) {
     if (keptShare(identification.adjustment.weights[k]) >= 0.5) continue;
     const std::vector<UnitResidual> units = residuals(identification.model.cell, measured.observations[k]);
-    double squares = 0.0;
-    for (const UnitResidual& unit : units) squares += unit.squared_norm;
-    const double numbers = static_cast<double>(units.size()) * measured.observations[k].unitSize();
-    if (!(squares < kGross * scale * scale * numbers)) wild.push_back(k);
+    double squares = 0.0, numbers = 0.0;
+    for (const UnitResidual& unit : units) {
+      if (!std::isfinite(unit.squared_norm)) continue;  // beyond the lens model: of no use, but not wild
+      squares += unit.squared_norm;
+      numbers += static_cast<double>(unit.residual.size());
+    }
+    if (squares > kGross * scale * scale * numbers) wild.push_back(k);
   }
   return wild;
 }

@@ -66,8 +66,8 @@ TEST_P(EachCommand, HelpShowsARun) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EachCommand,
-                         ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "predict", "effects", "export",
-                                           "paper"),
+                         ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "diagnose", "predict",
+                                           "effects", "export", "paper"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 class CommandOfLater : public ::testing::TestWithParam<const char*> {};

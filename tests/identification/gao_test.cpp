@@ -44,8 +44,8 @@ TEST(Gao, KeepsTheJointConstraintsWithoutNormalising) {
 TEST(Gao, IdentifiesPrismaticJointsToo) {
   Rng rng = test::rngOfThisTest();
   Arm nominal;
-  nominal.joints = {Joint::revolute("a", {0, 0, 1}, {0, 0, 0}), Joint::revolute("b", {0, 0, 1}, {0.3, 0, 0}), Joint::prismatic("c", {0, 0, -1}),
-                    Joint::revolute("d", {0, 0, -1}, {0.55, 0, 0})};
+  nominal.joints = {Joint::revolute("a", {0, 0, 1}, {0, 0, 0}), Joint::revolute("b", {0, 0, 1}, {0.3, 0, 0}),
+                    Joint::prismatic("c", {0, 0, -1}), Joint::revolute("d", {0, 0, -1}, {0.55, 0, 0})};
   nominal.gamma << 0.1, -0.2, 0.3, 0.5, 0.0, 0.1;
   Arm actual = displaceTwists(nominal, test::uniformVector(rng, twistParameterCount(nominal), 2e-3));
   actual.gamma += test::uniformVector(rng, 6, 1e-3);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cell/linearisation.hpp"
+#include "identification/simulated_cell.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/effects/catalogue.hpp"
@@ -15,97 +16,10 @@
 namespace poecal {
 namespace {
 
-/// A scene of calib_data with other errors and poses for each seed, as observations and as truth.
-struct Simulated {
-  Cell truth;
-  Cell nominal;
-  Target target;
-  std::vector<Observation> calibration, unseen;
-};
-
-constexpr double kSigma = 0.1;
-
-std::vector<Observation> observe(const Scene& scene, std::uint64_t seed, int count, double sigma) {
-  Scene drawn = scene;
-  drawn.seed = seed;
-  drawn.count = count;
-  drawn.repeats = 1;
-  const SampleTable samples = drawSamples(drawn);
-  Detections detections;
-  detections.images = trueCorners(drawn, samples);
-  Rng rng(seed, 99);
-  for (ImageCorners& image : detections.images) {
-    for (Corner& corner : image.corners) {
-      corner.px += sigma * Eigen::Vector2d(rng.normal(), rng.normal());
-      corner.sigma = kSigma;
-    }
-  }
-  return cornerObservations(samples, detections, scene.target);
-}
-
-Simulated simulated(const std::string& name, std::uint64_t seed, int poses, int unseen) {
-  Scene scene = readScene(std::filesystem::path(POECAL_SOURCE_DIR) / "calib_data" / name / "scene-corners.yaml");
-  Rng rng(seed, 7);
-  Eigen::VectorXd beta(twistParameterCount(scene.nominal));
-  int column = 0;
-  for (const Joint& joint : scene.nominal.joints) {
-    for (int k = 0; k < twistParameterCount(joint); ++k) beta(column++) = (k < 2 ? 2e-3 : 6e-4) * rng.normal();
-  }
-  scene.actual = displaceTwists(scene.nominal, beta);
-  Simulated result;
-  result.truth.arm = scene.actual;
-  result.truth.camera = scene.camera;
-  result.truth.registration = scene.registration;
-  result.nominal = result.truth;
-  result.nominal.arm = scene.nominal;
-  result.nominal.registration = Registration{};
-  result.nominal.registration.setup = scene.registration.setup;
-  result.target = scene.target;
-  result.calibration = observe(scene, 1000 + seed, poses, kSigma);
-  if (unseen > 0) result.unseen = observe(scene, 5000 + seed, unseen, 0.0);
-  return result;
-}
-
-std::vector<std::vector<std::size_t>> eachAlone(const std::vector<Observation>& observations) {
-  std::vector<std::vector<std::size_t>> groups;
-  for (std::size_t k = 0; k < observations.size(); ++k) groups.push_back({k});
-  return groups;
-}
-
-/// Bundle without held-out poses and with the camera as it is.
-IdentifyOptions plainBundle() {
-  IdentifyOptions options;
-  options.hold_out_every = 0;
-  options.camera = CameraChoice::kStated;
-  return options;
-}
-
-class BundleOf : public ::testing::TestWithParam<const char*> {};
-
-// 20 seeds, 60 poses at 0.1 px: errors at unseen poses against what the covariance predicts for them, and the noise against what it was.
-TEST_P(BundleOf, ErrorsAtUnseenPosesAreThoseThatTheCovariancePredicts) {
-  constexpr int kSeeds = 20;
-  double predicted = 0.0, seen = 0.0;
-  std::vector<double> reduced;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const Simulated data = simulated(GetParam(), seed, 60, 30);
-    const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
-    reduced.push_back(found.reduced_chi_square);
-    for (const Observation& observation : data.unseen) {
-      SampleRows rows;  // exact corners: what is left is the model's error
-      evaluateRows(found.model.cell, observation, modelTarget(found.model.cell, observation), false, rows);
-      const Matrix6d covariance = targetPoseCovariance(found.adjustment, found.start, found.free, observation);
-      predicted += (rows.H * covariance * rows.H.transpose()).trace();
-      seen += rows.r.squaredNorm();
-    }
-  }
-  EXPECT_NEAR(std::sqrt(seen / predicted), 1.0, 0.10) << "rms error / predicted";
-  EXPECT_GT(*std::min_element(reduced.begin(), reduced.end()), 0.7);
-  EXPECT_GT(mean(reduced), 0.95);
-  EXPECT_LT(mean(reduced), 1.05);
-}
-
-INSTANTIATE_TEST_SUITE_P(Arms, BundleOf, ::testing::Values("puma560", "cobot6", "arm7", "scara"));
+using test::eachAlone;
+using test::plainBundle;
+using test::Simulated;
+using test::simulated;
 
 TEST(Identify, AFifthOfWrongRowsIsListedAndDoesNotMoveTheModel) {
   Simulated data = simulated("cobot6", 3, 60, 0);

@@ -13,11 +13,11 @@ constexpr const char* kExample = R"(
 Example:
   $ poecal diagnose capture --out out
   diagnosis: 1 finding
-    where: joint:2, driven by tau2
-    which: joint_compliance: the joint yields to gravity's torque (99 % sure)
-           compliance 2.087e-05 +- 3.1e-07 rad/(N m)
-    how far: the gap shrinks by 93 % (88 % to 97 %)
-    what to do: compensate gravity's torque in the controller with this compliance; check the drive's tension and bearings
+    where: joint:6, driven by q5
+    which: joint_coupling: another joint's motion leaks into this one (100 % sure)
+           ratio 0.0009826 +- 5.9e-05, source 5
+    how far: the gap shrinks by 61 % (44 % to 100 %)
+    what to do: enter the coupling ratio of the wrist's gears in the controller
 )";
 
 }  // namespace
