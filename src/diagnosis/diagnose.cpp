@@ -9,6 +9,7 @@
 
 #include "diagnosis/ladder.hpp"
 #include "diagnosis/selection.hpp"
+#include "identification/fit.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 
@@ -366,11 +367,21 @@ void tellModel(const Selection& selection, const Identification& identification,
     const Eigen::VectorXd& deviation = deviations[next++];
     if (!one.candidate.known()) continue;
     AppliedEffect& applied = diagnosis.model.effects[one.effect];
-    applied.standard_deviation = Eigen::VectorXd::Zero(applied.parameters.size());
+    applied.standard_deviation = Eigen::VectorXd::Constant(applied.parameters.size(), std::numeric_limits<double>::quiet_NaN());
     for (std::size_t i = 0; i < one.candidate.linear.size(); ++i) {
       applied.standard_deviation(one.candidate.linear[i]) = deviation(static_cast<Eigen::Index>(i));
     }
   }
+  const MeasuredCell& measured = selection.measured;
+  const ParameterLayout layout(state.cell.cell, measured.free);
+  const Eigen::MatrixXd& covariance = selection.linear.noise.covariance;
+  const auto deviation = [&covariance](int begin) { return Vector6d(covariance.diagonal().segment<6>(begin).cwiseMax(0.0).cwiseSqrt()); };
+  ModelDeviation& deviations_of = diagnosis.model.deviation;
+  deviations_of.twists =
+      twistDeviations(*measured.start.arm, state.cell.beta, *state.cell.cell.arm, covariance.topLeftCorner(layout.twists, layout.twists));
+  if (layout.gamma >= 0) deviations_of.gamma = deviation(layout.gamma);
+  if (layout.near >= 0) deviations_of.T_camera_near = deviation(layout.near);
+  if (layout.far >= 0) deviations_of.T_far_target = deviation(layout.far);
   const Arm& before = *selection.base.cell.cell.arm;
   const Arm& after = *state.cell.cell.arm;
   for (std::size_t k = 0; k < after.joints.size(); ++k) {

@@ -210,7 +210,7 @@ class Selector {
     double probability;
   };
   // Before any effect is known only what no effect does to a single pose; at the end what chance does not do once in ten million captures.
-  static constexpr Wild kWildAtOnce{150.0, 1e-30}, kWildAtLast{4.0, 1e-9};
+  static constexpr Wild kWildAtOnce{150.0, 1e-30}, kWildAtLast{8.0, 1e-9};
 
   static NoiseEstimate startNoise() { return {}; }
   Ranker ranker() const { return Ranker(selection_.measured, selection_.candidates); }

@@ -1,6 +1,7 @@
 #include "effects/effect_yaml.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -25,7 +26,7 @@ AppliedEffect readEffect(const YamlNode& entry, const Cell& cell, bool as_found)
   try {
     AppliedEffect applied = makeEffect(spec, cell);
     if (const auto deviations = as_found ? entry.find("standard_deviation") : std::nullopt) {
-      applied.standard_deviation = Eigen::VectorXd::Zero(applied.parameters.size());
+      applied.standard_deviation = Eigen::VectorXd::Constant(applied.parameters.size(), std::numeric_limits<double>::quiet_NaN());
       for (const std::string& name : deviations->keys()) {
         applied.standard_deviation(applied.effect.parameterIndex(name)) = (*deviations)[name.c_str()].number();
       }

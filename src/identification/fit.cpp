@@ -18,22 +18,6 @@ std::vector<Observation> selected(const std::vector<Observation>& all, const std
   return some;
 }
 
-/// Deviations of each joint's twist xi = Ad(exp(eta)) xi_0, eta = B beta, from the covariance of beta: d xi = -ad(xi) K(eta) B d beta.
-std::vector<Vector6d> twistDeviations(const Arm& nominal, const Eigen::VectorXd& beta, const Arm& arm, const Eigen::MatrixXd& covariance) {
-  std::vector<Vector6d> deviations;
-  int column = 0;
-  for (std::size_t k = 0; k < arm.joints.size(); ++k) {
-    const Matrix6Xd B = twistBasis(nominal.joints[k]);
-    const auto count = B.cols();
-    const Vector6d eta = B * beta.segment(column, count);
-    const Matrix6Xd D = -adjointOfTwist(arm.joints[k].xi) * leftJacobianSe3(eta) * B;
-    const Matrix6d Sigma = D * covariance.block(column, column, count, count) * D.transpose();
-    deviations.push_back(Sigma.diagonal().cwiseMax(0.0).cwiseSqrt());
-    column += static_cast<int>(count);
-  }
-  return deviations;
-}
-
 MethodFit fitGao(const Cell& registered, const std::vector<Observation>& flange, double length_unit) {
   std::vector<Eigen::VectorXd> q;
   std::vector<Eigen::Isometry3d> poses;
@@ -64,6 +48,21 @@ MethodFit fitGao(const Cell& registered, const std::vector<Observation>& flange,
 }
 
 }  // namespace
+
+std::vector<Vector6d> twistDeviations(const Arm& nominal, const Eigen::VectorXd& beta, const Arm& arm, const Eigen::MatrixXd& covariance) {
+  std::vector<Vector6d> deviations;
+  int column = 0;
+  for (std::size_t k = 0; k < arm.joints.size(); ++k) {
+    const Matrix6Xd B = twistBasis(nominal.joints[k]);
+    const auto count = B.cols();
+    const Vector6d eta = B * beta.segment(column, count);
+    const Matrix6Xd D = -adjointOfTwist(arm.joints[k].xi) * leftJacobianSe3(eta) * B;
+    const Matrix6d Sigma = D * covariance.block(column, column, count, count) * D.transpose();
+    deviations.push_back(Sigma.diagonal().cwiseMax(0.0).cwiseSqrt());
+    column += static_cast<int>(count);
+  }
+  return deviations;
+}
 
 bool statesDeviations(const Camera& camera) {
   return camera.standard_deviation.size() >= 4 && camera.standard_deviation.head<4>().allFinite();

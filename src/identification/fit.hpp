@@ -30,9 +30,12 @@ struct FlangePoses {
 FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& observations, const std::vector<RegisteredSample>* samples);
 
 /// @param registered  nominal arm with a registration. @param subset  indices into observations (and flange poses).
-/// @param camera_free  bundle only. @param warm  a fit to start from (not what priors are about), or nullptr.
+/// @param camera_free  bundle only.
 MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange, const std::vector<std::size_t>& subset,
                     const IdentifyOptions& options, bool camera_free);
+
+/// Deviations of each joint's twist xi = Ad(exp(eta)) xi_0, eta = B beta, from the covariance of beta: d xi = -ad(xi) K(eta) B d beta.
+std::vector<Vector6d> twistDeviations(const Arm& nominal, const Eigen::VectorXd& beta, const Arm& arm, const Eigen::MatrixXd& covariance);
 
 /// Prior of the camera's parameters: its stated standard deviations, or, where it states none, widths that only keep a short capture from
 /// absurd lenses: 3 % of the focal length, 3 % of the width, and 0.5 for distortion coefficients (0.02 for tangential ones).

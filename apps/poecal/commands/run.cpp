@@ -1,12 +1,13 @@
 // poecal run: the main job from a capture folder to a calibrated arm.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "diagnosing.hpp"
 #include "measuring.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
 
 namespace poecal::app {
 namespace {
@@ -26,6 +27,18 @@ Example:
   results in out; the report is not built yet
 )";
 
+/// model.yaml is the diagnosis' with its effects, unless the identification alone predicts unseen poses clearly better: where it re-fitted
+/// a lens that no single effect mends, or where what is left is of a shape that no model file can hold.
+void keepTheBetterModel(const Identification& identification, const Diagnosis& diagnosis, const std::filesystem::path& out,
+                        std::string& text) {
+  constexpr double kClearly = 0.95;
+  const double identified = identification.stages.back().held_out.px.rms, diagnosed = diagnosis.stages.back().rms;
+  if (!(identified > 0.0) || !(identified < kClearly * diagnosed)) return;
+  writeTextFile(out / "model.yaml", modelYaml(identification.model));
+  text +=
+      fmt::format("  model.yaml is the identified one, without effects: it predicts poses that it did not see to {:.3f} px\n", identified);
+}
+
 /// A capture that is too small for a diagnosis is calibrated all the same.
 void diagnoseOrSayWhyNot(const CaptureInputs& inputs, const Identification& identification, const IdentifyOptions& options,
                          const std::filesystem::path& out, std::string& text, nlohmann::json& json) {
@@ -37,6 +50,7 @@ void diagnoseOrSayWhyNot(const CaptureInputs& inputs, const Identification& iden
     const Diagnosing diagnosing = diagnoseCapture(inputs, identification, options, out);
     text += diagnosing.text;
     json["diagnose"] = diagnosing.json;
+    keepTheBetterModel(identification, diagnosing.diagnosis, out, text);
   } catch (const InsufficientData& missing) {
     text += fmt::format("no diagnosis: {}\n", missing.what());
   }

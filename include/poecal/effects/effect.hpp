@@ -111,7 +111,7 @@ class Effect {
 struct AppliedEffect {
   Effect effect;
   Eigen::VectorXd parameters;
-  Eigen::VectorXd standard_deviation = {};  ///< of the parameters, where they were estimated; 0 for those that were not; else empty
+  Eigen::VectorXd standard_deviation = {};  ///< of the parameters; NaN for those that were not estimated, empty where none was
 };
 
 /// What all effects of a list do to one sample. @param at_random  with the draws of the random ones, as the simulator wants.
