@@ -255,7 +255,6 @@ void tellWhere(const Selection& selection, Diagnosis& diagnosis) {
     if (found.accepted) places.push_back(found.accepted->candidate);
   }
   const std::vector<Evidence> evidence = screen(before, places);
-  Linearised after = selection.linear;
   double explained = 0.0;
   for (std::size_t i = curves; i < places.size(); ++i) explained += evidence[i].chi_square;
   explained = std::max(explained, 1.0);

@@ -11,6 +11,7 @@ namespace {
 
 // Answers are told apart by whole units of log-likelihood.
 constexpr double kPrecision = 0.02;
+constexpr double kStartScatter = 1e-4;  // [rad]
 
 double logMeanExp(const std::vector<double>& values) {
   const double largest = *std::max_element(values.begin(), values.end());
@@ -68,6 +69,12 @@ const std::vector<double>& evidenceScales() {
   return scales;
 }
 
+Eigen::MatrixXd Linearised::allColumns() const {
+  Eigen::MatrixXd all(rows.size(), rows.J.cols() + columns.cols());
+  all << rows.J, columns;
+  return all;
+}
+
 Linearised linearise(const MeasuredCell& measured, const ModelState& state, const std::vector<Accepted>& accepted,
                      const std::vector<std::size_t>& scatter, const std::vector<std::vector<std::size_t>>& groups) {
   Linearised linear{.state = state,
@@ -92,7 +99,6 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
   }
   linear.column_prior = priorOf(accepted);
   linear.components = noiseComponents(measured, linear.rows);
-  constexpr double kStartScatter = 1e-4;  // [rad]
   for (const std::size_t k : scatter) linear.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
   return linear;
 }
@@ -103,8 +109,7 @@ void setNoise(const MeasuredCell& measured, const NoiseEstimate* from, Linearise
 
 std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candidate>& candidates) {
   const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
-  Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + linear.columns.cols());
-  X << linear.rows.J, linear.columns;
+  const Eigen::MatrixXd X = linear.allColumns();
   const Eigen::MatrixXd white = whitening.apply(X);
   const Eigen::VectorXd r = whitening.apply(linear.rows.r);
   const Eigen::VectorXd residual = r - white * linear.noise.b;
@@ -156,7 +161,6 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
 }
 
 ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& measured, std::size_t k) {
-  constexpr double kStartScatter = 1e-4;  // [rad]
   Linearised with = linear;
   with.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
   ExactEvidence exact;

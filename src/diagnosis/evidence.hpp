@@ -25,6 +25,9 @@ struct Linearised {
   ColumnPrior column_prior;
   std::vector<NoiseComponent> components;
   NoiseEstimate noise;  ///< with all of this
+
+  /// Columns of the base model, then those of what was accepted.
+  Eigen::MatrixXd allColumns() const;
 };
 
 /// @param groups  the poses to use; empty: all. @param scatter  joints that move at random by themselves.

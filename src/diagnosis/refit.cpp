@@ -7,8 +7,7 @@ namespace {
 
 /// The solution of a linearisation at a given noise.
 NoiseEstimate solveAt(const MeasuredCell& measured, const Linearised& linear, const NoiseEstimate& noise) {
-  Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + linear.columns.cols());
-  X << linear.rows.J, linear.columns;
+  const Eigen::MatrixXd X = linear.allColumns();
   const ColumnPrior prior = basePrior(measured, linear.state, noise.tolerance).joinedWith(linear.column_prior);
   NoiseEstimate estimate = likelihoodAt(linear.rows, linear.components, noise.theta, X, prior);
   estimate.tolerance = noise.tolerance;

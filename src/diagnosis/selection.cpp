@@ -32,8 +32,7 @@ struct WhiteResidual {
 
 WhiteResidual whiteResidual(const Linearised& linear) {
   WhiteResidual white{Whitening(linear.rows, linear.components, linear.noise.theta), {}};
-  Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + linear.columns.cols());
-  X << linear.rows.J, linear.columns;
+  const Eigen::MatrixXd X = linear.allColumns();
   white.e = white.whitening.apply(linear.rows.r - X * linear.noise.b);
   return white;
 }
@@ -131,8 +130,8 @@ class Ranker {
       RankedAnswer answer{.name = "joint_scatter", .location = "joint:" + std::to_string(k + 1), .driver = "none", .scatter = k};
       if (std::find(taken.begin(), taken.end(), answer.name + "@" + answer.location + "/none") != taken.end()) continue;
       constexpr double kWorthTrying = 0.0;
-      // Joints are not all alike, and good ones come back to some 1e-5 rad: one is beyond that where it moves twice as far as they do together,
-      // and farther than any catalogue allows.
+      // Joints are not all alike, and good ones come back to some 1e-5 rad: one is beyond that where it moves twice as far as they do
+      // together, and farther than any catalogue allows.
       constexpr double kBeyond = 3.0, kUsual = 4e-5;
       if (scatterScore(white, jointScatter(linear.rows, k, 1.0)) < kWorthTrying) continue;
       answer.exact = scatterEvidence(linear, measured_, k);
@@ -176,7 +175,7 @@ class Selector {
   Selection run(const std::vector<std::size_t>& wild) {
     const std::vector<std::size_t> at_once = groupsOf(wild);
     if (!isRunInTime(at_once)) remove(at_once);
-    linear_ = refit(selection_.measured, selection_.base, {}, {}, startNoise(), {}, true);
+    linear_ = refit(selection_.measured, selection_.base, {}, {}, NoiseEstimate{}, {}, true);
     dropBad(kWildAtOnce);
     listCandidates();
     selection_.base = linear_.state;
@@ -212,7 +211,6 @@ class Selector {
   // Before any effect is known only what no effect does to a single pose; at the end what chance does not do once in ten million captures.
   static constexpr Wild kWildAtOnce{150.0, 1e-30}, kWildAtLast{8.0, 1e-9};
 
-  static NoiseEstimate startNoise() { return {}; }
   Ranker ranker() const { return Ranker(selection_.measured, selection_.candidates); }
 
   void listCandidates() {
@@ -316,15 +314,21 @@ class Selector {
     return {};
   }
 
-  void refitAll() {
-    NoiseEstimate from = linear_.noise;
-    from.theta = from.theta.head(
-        std::min<Eigen::Index>(from.theta.size(), static_cast<Eigen::Index>(noiseComponents(selection_.measured, linear_.rows).size())));
-    linear_ = refit(selection_.measured, selection_.base, accepted(), scatter(), from, {}, true);
+  /// What the last fit made of the accepted ones, to the findings that they are of.
+  void handBack() {
     std::size_t next = 0;
     for (FoundEffect& found : selection_.findings) {
       if (found.accepted) found.accepted = linear_.accepted[next++];
     }
+  }
+
+  void refitAll() {
+    NoiseEstimate from = linear_.noise;
+    // Joints that move at random begin anew: which they are may have changed.
+    from.theta.conservativeResize(std::count_if(linear_.components.begin(), linear_.components.end(),
+                                                [](const NoiseComponent& component) { return !component.name.starts_with("scatter"); }));
+    linear_ = refit(selection_.measured, selection_.base, accepted(), scatter(), from, {}, true);
+    handBack();
   }
 
   /// Each finding again beside all others: another answer that serves better takes its place, one that is not needed goes.
@@ -383,10 +387,7 @@ class Selector {
       remove(bad);
       any = true;
       linear_ = refit(selection_.measured, linear_.state, accepted(), scatter(), linear_.noise, {}, true);
-      std::size_t next = 0;
-      for (FoundEffect& found : selection_.findings) {
-        if (found.accepted) found.accepted = linear_.accepted[next++];
-      }
+      handBack();
     }
     return any;
   }

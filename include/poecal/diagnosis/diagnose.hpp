@@ -17,7 +17,6 @@ namespace poecal {
 struct DiagnoseOptions {
   double tolerance_position = 1e-3;  ///< 1 sigma of an axis' place about the nominal [m]
   double tolerance_rotation = 3e-3;  ///< 1 sigma of an axis' tilt [rad]
-  bool registered = false;           ///< poses are T_base_flange already
   int folds = 5;                     ///< in how many turns the poses judge a fit that did not see them
   std::uint64_t seed = 1;            ///< of the folds and of the bootstrap
 };
