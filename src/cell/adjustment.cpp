@@ -11,6 +11,7 @@
 #include "cell/linearisation.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
+#include "poecal/geometry/se3.hpp"
 
 namespace poecal {
 namespace {
@@ -48,7 +49,7 @@ class UnitWeight {
 class Adjuster {
  public:
   Adjuster(const Cell& nominal, const std::vector<Observation>& observations, const AdjustmentOptions& options)
-      : observations_(observations), options_(options), layout_(nominal, options.free), state_(nominal, options.free) {
+      : observations_(observations), options_(options), layout_(nominal, options.free), start_(nominal), state_(nominal, options.free) {
     setPriors(nominal);
     weights_.reserve(observations.size());
     int numbers = 0;
@@ -101,8 +102,8 @@ class Adjuster {
         }
       }
     }
+    if (layout_.far >= 0 && options_.far_position > 0.0) sigma_prior_.segment<3>(layout_.far + 3).setConstant(options_.far_position);
     if (layout_.intrinsics >= 0) {
-      intrinsics_stated_ = nominal.camera->parameters();
       for (int k = 0; k < options_.camera_prior_sigma.size(); ++k) {
         const double sigma = options_.camera_prior_sigma(k);
         if (sigma > 0.0) sigma_prior_(layout_.intrinsics + k) = sigma;
@@ -114,7 +115,11 @@ class Adjuster {
   Eigen::VectorXd deviation(const CellState& state) const {
     Eigen::VectorXd deviation = Eigen::VectorXd::Zero(layout_.total);
     deviation.head(layout_.twists) = state.beta;
-    if (layout_.intrinsics >= 0) deviation.tail(intrinsics_stated_.size()) = state.cell.camera->parameters() - intrinsics_stated_;
+    if (layout_.far >= 0) deviation.segment<3>(layout_.far + 3) = farMotion(state.cell, start_);
+    if (layout_.intrinsics >= 0) {
+      const Eigen::VectorXd stated = start_.camera->parameters();
+      deviation.tail(stated.size()) = state.cell.camera->parameters() - stated;
+    }
     return deviation;
   }
 
@@ -317,9 +322,9 @@ class Adjuster {
   const std::vector<Observation>& observations_;
   const AdjustmentOptions& options_;
   ParameterLayout layout_;
+  Cell start_;
   CellState state_;
   Eigen::VectorXd sigma_prior_;
-  Eigen::VectorXd intrinsics_stated_;
   Weights weights_;
   UnitWeight unit_weight_{2};
   double scale_ = 1.0;
@@ -327,6 +332,10 @@ class Adjuster {
 };
 
 }  // namespace
+
+Eigen::Vector3d farMotion(const Cell& cell, const Cell& start) {
+  return logSe3(cell.registration.T_far_target * start.registration.T_far_target.inverse()).tail<3>();
+}
 
 Adjustment adjust(const Cell& nominal, const std::vector<Observation>& observations, const AdjustmentOptions& options) {
   return Adjuster(nominal, observations, options).run();

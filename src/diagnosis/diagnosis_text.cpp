@@ -68,6 +68,25 @@ std::string findingText(const Finding& finding) {
   return text;
 }
 
+/// What this capture could not test and why, the places of an effect together.
+std::vector<std::string> untestedLines(const Diagnosis& diagnosis) {
+  std::vector<std::pair<const NotTestable*, std::string>> reasons;  // the first of each, and all its places
+  for (const NotTestable& each : diagnosis.not_testable) {
+    // Of every joint, always: it is no lack of this capture.
+    if (each.effect == "joint_offset") continue;
+    const auto same = std::find_if(reasons.begin(), reasons.end(),
+                                   [&each](const auto& r) { return r.first->effect == each.effect && r.first->why == each.why; });
+    if (same != reasons.end()) {
+      same->second += ", " + each.location;
+    } else {
+      reasons.emplace_back(&each, each.location);
+    }
+  }
+  std::vector<std::string> lines;
+  for (const auto& [first, places] : reasons) lines.push_back(fmt::format("{} at {} ({})", first->effect, places, first->why));
+  return lines;
+}
+
 }  // namespace
 
 std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&) {
@@ -86,12 +105,7 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
     text += fmt::format("  the arm is {:.1f} times farther from its nominal geometry than the tolerances allow: check robot and options\n",
                         diagnosis.arm_beyond_tolerance);
   }
-  std::vector<std::string> untested;
-  for (const NotTestable& each : diagnosis.not_testable) {
-    const std::string line = fmt::format("{} ({})", each.effect, each.why);
-    const bool zero = each.effect == "joint_offset";
-    if (!zero && std::find(untested.begin(), untested.end(), line) == untested.end()) untested.push_back(line);
-  }
+  const std::vector<std::string> untested = untestedLines(diagnosis);
   constexpr std::size_t kShown = 6;
   for (std::size_t k = 0; k < untested.size() && k < kShown; ++k) text += fmt::format("  not tested: {}\n", untested[k]);
   if (untested.size() > kShown)

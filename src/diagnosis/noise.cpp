@@ -287,6 +287,11 @@ ColumnPrior basePrior(const MeasuredCell& measured, const ModelState& state, dou
     prior.offset.head(twists) = state.cell.beta;
     prior.log_determinant -= 2.0 * llt.matrixLLT().diagonal().array().log().sum();
   }
+  if (layout.far >= 0) {
+    prior.precision.diagonal().segment<3>(layout.far + 3).setConstant(1.0 / (kFarPosition * kFarPosition));
+    prior.offset.segment<3>(layout.far + 3) = farMotion(state.cell.cell, measured.start);
+    prior.log_determinant -= 6.0 * std::log(kFarPosition);
+  }
   if (layout.intrinsics >= 0) {
     const Eigen::VectorXd move = state.cell.cell.camera->parameters() - measured.start.camera->parameters();
     for (Eigen::Index k = 0; k < measured.camera_sigma.size(); ++k) {

@@ -48,7 +48,7 @@ struct ColumnPrior {
   ColumnPrior joinedWith(const ColumnPrior& other) const;
 };
 
-/// The base model's prior: twists by the tolerances widened by `tolerance`, stated intrinsics.
+/// The base model's prior: twists by the tolerances widened by `tolerance`, stated intrinsics, the far transform by kFarPosition.
 ColumnPrior basePrior(const MeasuredCell& measured, const ModelState& state, double tolerance);
 
 /// Cholesky factors of C, one per pose.

@@ -10,8 +10,10 @@
 namespace poecal {
 namespace {
 
-constexpr double kAcceptance = 2.5;  // log of the odds against none that a finding needs; without any effect 1 capture in 200 reaches 0.5
-constexpr double kAcceptanceBeside = 4.5;  // that another one needs beside it
+// Logs of odds. That there is anything: without an effect 1 capture in 200 reaches 0.5 for all explanations together.
+constexpr double kAnything = 1.0;
+constexpr double kBeside = 4.5;  // of another finding beside the first
+constexpr double kNeeded = 2.5;  // of each of several, with all others in
 constexpr double kScatterShare = 0.2;      // prior share of joints that move at random
 constexpr double kRelativeMisfit = 0.005;  // of an explanation's chi-square that its own imprecision may leave: 7 % of its size
 constexpr std::size_t kShortlist = 8, kCurveShortlist = 4;
@@ -265,12 +267,14 @@ class Selector {
     if (ranking.answers.empty()) return false;
     const std::size_t chosen = chosenAnswer(ranking);
     const RankedAnswer& answer = ranking.answers[chosen];
-    double needed = selection_.findings.empty() ? kAcceptance : kAcceptanceBeside + kRelativeMisfit * explained();
+    const bool first = selection_.findings.empty();
+    double needed = first ? kAnything : kBeside + kRelativeMisfit * explained();
     // Beside a curve of unknown shape another finding is mostly what the curve did not follow.
     const bool unknown_before = std::any_of(selection_.findings.begin(), selection_.findings.end(),
                                             [](const FoundEffect& found) { return found.name == "unknown"; });
     if (unknown_before) needed += 14.0 + 0.02 * explained();
-    if (!(answer.log_weight > needed)) return false;
+    // Explanations that are hard to tell apart speak together for there being something.
+    if (!((first ? ranking.log_total : answer.log_weight) > needed)) return false;
     take(ranking, chosen);
     if (const std::optional<std::size_t> curve = curveThatExplainsMore(ranking, answer)) {
       selection_.findings.pop_back();
@@ -337,7 +341,7 @@ class Selector {
         const RankedAnswer& best = ranking.answers[chosen];
         const FoundEffect& now = selection_.findings[i];
         const bool same = best.name == now.name && best.location == now.location && best.driver == now.driver;
-        if (!(best.log_weight > kAcceptance)) {
+        if (!(best.log_weight > kNeeded)) {
           selection_.findings.erase(selection_.findings.begin() + static_cast<std::ptrdiff_t>(i));
           refitAll();
           changed = true;

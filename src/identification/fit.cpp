@@ -124,6 +124,7 @@ MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& obse
   adjustment.tolerance_position = options.tolerance_position;
   adjustment.tolerance_rotation = options.tolerance_rotation;
   adjustment.robust = options.robust;
+  adjustment.far_position = kFarPosition;
   const bool flange_poses = options.method == Method::kWeighted;
   fit.start = registered;
   if (flange_poses) {

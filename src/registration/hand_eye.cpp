@@ -78,7 +78,8 @@ int rotationDirections(const std::vector<Eigen::Isometry3d>& T_near_far) {
   return isOneDirection(scatterOf(turns.near)) ? 1 : 2;
 }
 
-std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>& T_camera_target) {
+std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>& T_camera_target,
+                                    Setup setup) {
   const Turns turns = relativeTurns(T_near_far, &T_camera_target);
   if (turns.near.empty()) return std::nullopt;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -104,8 +105,12 @@ std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
   // Sliding along the axis of a SCARA is only determined by noise.
   solver.setThreshold(1e-6);
-  solver.compute(A);
-  const Eigen::VectorXd t = solver.solve(b);
+  // The shortest solution is sought in units in which a metre on the flange is far longer than one beside the arm.
+  constexpr double kOnFlange = 0.01;
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(6);
+  (setup == Setup::kEyeToHand ? unit.tail<3>() : unit.head<3>()).setConstant(kOnFlange);
+  solver.compute(A * unit.asDiagonal());
+  const Eigen::VectorXd t = unit.cwiseProduct(solver.solve(b));
   HandEye result;
   result.T_camera_near.linear() = R_camera_near;
   result.T_camera_near.translation() = t.head<3>();

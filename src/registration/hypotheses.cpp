@@ -19,7 +19,7 @@ constexpr std::size_t kScored = 150;
 constexpr double kAgreeing = 0.6;
 
 std::optional<Registration> registrationOf(Setup setup, const std::vector<Eigen::Isometry3d>& near_far, const std::vector<Eigen::Isometry3d>& targets) {
-  const std::optional<HandEye> solution = solveHandEye(near_far, targets);
+  const std::optional<HandEye> solution = solveHandEye(near_far, targets, setup);
   if (!solution) return std::nullopt;
   Registration registration;
   registration.setup = setup;

@@ -21,7 +21,7 @@ TEST(HandEye, RecoversBothTransformsExactly) {
     const HandEye truth{test::randomPose(rng), test::randomPose(rng)};
     std::vector<Eigen::Isometry3d> poses;
     for (int k = 0; k < 3 + trial; ++k) poses.push_back(test::randomPose(rng, 0.8));
-    const auto found = solveHandEye(poses, targetsOf(truth, poses));
+    const auto found = solveHandEye(poses, targetsOf(truth, poses), Setup::kEyeToHand);
     ASSERT_TRUE(found);
     EXPECT_THAT(found->T_camera_near, test::PoseIsNear(truth.T_camera_near, 1e-11));
     EXPECT_THAT(found->T_far_target, test::PoseIsNear(truth.T_far_target, 1e-11));
@@ -40,7 +40,7 @@ TEST(HandEye, OfAScaraExplainsAllPosesThoughSlidingIsFree) {
   }
   EXPECT_EQ(rotationDirections(poses), 1);
   const auto targets = targetsOf(truth, poses);
-  const auto found = solveHandEye(poses, targets);
+  const auto found = solveHandEye(poses, targets, Setup::kEyeToHand);
   ASSERT_TRUE(found);
   for (std::size_t k = 0; k < poses.size(); ++k) {
     EXPECT_THAT(Eigen::Isometry3d(found->T_camera_near * poses[k] * found->T_far_target), test::PoseIsNear(targets[k], 1e-9));
@@ -49,7 +49,7 @@ TEST(HandEye, OfAScaraExplainsAllPosesThoughSlidingIsFree) {
 
 TEST(HandEye, WithoutTurningThereIsNothing) {
   const std::vector<Eigen::Isometry3d> poses(5, Eigen::Isometry3d::Identity());
-  EXPECT_FALSE(solveHandEye(poses, poses));
+  EXPECT_FALSE(solveHandEye(poses, poses, Setup::kEyeToHand));
   EXPECT_EQ(rotationDirections(poses), 0);
 }
 

@@ -26,6 +26,13 @@ struct FreeParameters {
   bool intrinsics = false;  ///< Camera::parameters()
 };
 
+/// What is believed of the position of T_far_target about its registration, where the arm may move too [m]: nothing where data see it, but enough to
+/// hold what they do not. A SCARA shows the height of its tag by the millirad that its axes are not parallel.
+constexpr double kFarPosition = 0.1;
+
+/// Motion of the far frame's transform from where it started, as kFarPosition judges it: the v of its left perturbation.
+Eigen::Vector3d farMotion(const Cell& cell, const Cell& start);
+
 struct AdjustmentOptions {
   FreeParameters free;
   /// Tolerance priors (1 sigma) of the twists about the nominal arm: tilts [rad] and shifts [m]. 0: no prior.
@@ -33,6 +40,8 @@ struct AdjustmentOptions {
   double tolerance_position = 0.0;
   /// 1 sigma of each intrinsic parameter about the cell's camera; empty or NaN: no prior there.
   Eigen::VectorXd camera_prior_sigma;
+  /// 1 sigma of T_far_target's position about the cell's own [m]: see kFarPosition. 0: no prior.
+  double far_position = 0.0;
   /// Redescending weights: 1 up to the residual that one unit in 10^4 exceeds by chance, falling to 0 at twice that.
   bool robust = true;
   /// The scale s; estimated where not positive.

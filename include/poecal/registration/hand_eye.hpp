@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "poecal/capture/capture.hpp"
+
 namespace poecal {
 
 /// The two constant transforms.
@@ -18,12 +20,14 @@ struct HandEye {
 ///
 /// Rotation of T_camera_near: the rotation vectors of the relative motions, b_ij = R a_ij, by the orthogonal Procrustes solution (Park and
 /// Martin 1994; pairs near half a turn are left out, where the sign of a rotation vector is lost). R_far_target: mean of
-/// R_near_far^T R_camera_near^T R_camera_target. Translations: linear least squares, the shortest solution where it is not unique.
+/// R_near_far^T R_camera_near^T R_camera_target. Translations: linear least squares.
 ///
 /// Where all motions turn about one direction (a SCARA), the rotation about it follows from the translations instead, and sliding both
-/// transforms along it is not determined.
+/// transforms along it is not determined: of all solutions it is the one whose part on the flange (T_far_target, or T_camera_near of a camera
+/// in the hand) is shortest, as brackets are.
 /// @return nothing where the arm never turns (fewer than two poses, or all of one orientation).
-std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>& T_camera_target);
+std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>& T_camera_target,
+                                    Setup setup);
 
 /// How many independent directions the arm turned about: 0, 1 (a SCARA, or too timid a motion) or more (2 stands for two or three).
 int rotationDirections(const std::vector<Eigen::Isometry3d>& T_near_far);
