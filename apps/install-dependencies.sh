@@ -5,9 +5,9 @@ set -euo pipefail
 packages=(
   # to build with
   cmake g++ ninja-build
-  # find_package in CMakeLists.txt
+  # find_package in CMakeLists.txt, and xxhash.h
   libapriltag-dev libboost-dev libceres-dev libeigen3-dev libfmt-dev libopencv-dev libtbb-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev
-  nlohmann-json3-dev
+  libxxhash-dev nlohmann-json3-dev
   # find_package in apps/ and tests/
   libcli11-dev libgmock-dev libgtest-dev liborocos-kdl-dev
 )
