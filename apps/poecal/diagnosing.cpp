@@ -69,8 +69,9 @@ Diagnosing diagnoseIdentified(const CaptureInputs& inputs, const Identification&
   try {
     result = diagnoseCapture(inputs, start, options, out);
   } catch (const InsufficientData& missing) {
+    result.json = {{"format", "poecal-diagnosis/1"}, {"verdict", "insufficient data"}, {"why", missing.what()}};
     writeTextFile(out / "model.yaml", identified.model_yaml);
-    std::filesystem::remove(out / "diagnosis.json");  // of other data
+    writeTextFile(out / "diagnosis.json", result.json.dump(2) + "\n");
     result.text = fmt::format("no diagnosis: {}\n", missing.what());
     return result;
   }

@@ -52,7 +52,7 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
         const Diagnosing diagnosing = diagnoseIdentified(inputs, diagnosisStart(inputs, options->identify, &identification),
                                                          identifiedModel(identification), options->identify, options->out);
         text += diagnosing.text;
-        if (!diagnosing.json.is_null()) json["diagnose"] = diagnosing.json;
+        json["diagnose"] = diagnosing.json;
       } else {
         text += "no diagnosis: it starts from method bundle\n";
       }
