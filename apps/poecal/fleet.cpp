@@ -197,16 +197,16 @@ std::string fleetCsv(const std::vector<FleetRow>& rows) {
 }
 
 std::string fleetText(const std::vector<FleetRow>& rows) {
+  constexpr const char* kRow = "{:<{}}  {:>11}  {:>8}  {:>10}  {:>10}  {:>8}  {:>8}  {}\n";
   std::size_t width = 4;
   for (const FleetRow& row : rows) width = std::max(width, row["name"].get<std::string>().size());
-  std::string text = fmt::format("{:<{}}  {:>11}  {:>8}  {:>10}  {:>10}  {:>8}  {:>8}  {}\n", "", width, "", "nominal", "registered",
-                                 "identified", "", "", "");
-  text += fmt::format("{:<{}}  {:>11}  {:>8}  {:>10}  {:>10}  {:>8}  {:>8}  {}\n", "name", width, "pictures", "px", "px", "px", "mm",
-                      "warnings", "diagnosis");
+  // The figures are in px but for the millimetres of the identified arm.
+  std::string text = fmt::format("{:<{}}  {:>11}  {:>8}  {:>10}  {:>10}\n", "", width, "", "nominal", "registered", "identified");
+  text += fmt::format(kRow, "name", width, "pictures", "px", "px", "px", "mm", "warnings", "diagnosis");
   for (const FleetRow& row : rows) {
-    text += fmt::format("{:<{}}  {:>11}  {:>8}  {:>10}  {:>10}  {:>8}  {:>8}  {}\n", row["name"].get<std::string>(), width,
-                        picturesText(row), figure(row["nominal_px"]), figure(row["registered_px"]), figure(row["identified_px"]),
-                        figure(row["identified_mm"]), row["warnings"].size(), diagnosisText(row));
+    text +=
+        fmt::format(kRow, row["name"].get<std::string>(), width, picturesText(row), figure(row["nominal_px"]), figure(row["registered_px"]),
+                    figure(row["identified_px"]), figure(row["identified_mm"]), row["warnings"].size(), diagnosisText(row));
   }
   return text;
 }
