@@ -59,11 +59,15 @@ struct CaptureRows {
   int size() const { return static_cast<int>(r.size()); }
 };
 
+/// What a cell whose target and camera are as they should be would have measured in place of an observation, and that cell: corners without
+/// the effects of shape and detector, the camera with those of the lens.
+struct PlainSight {
+  Cell cell;
+  Observation observation;
+};
+PlainSight plainSight(const MeasuredCell& measured, const ModelState& state, const ObservationRows& part);
+
 /// Rows of a subset of the groups (all where `groups` is empty).
 CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups);
-
-/// Residuals alone.
-Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state,
-                                 const std::vector<std::vector<std::size_t>>& groups);
 
 }  // namespace poecal
