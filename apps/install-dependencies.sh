@@ -1,16 +1,25 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that poecal is built and tested with. Needs no network where they are there already.
+# apps/install-dependencies.sh [--workflow]: installs the Debian 12 packages that poecal is built and tested with; with --workflow also
+# snakemake (80 packages, 680 MB), without which the tests of apps/workflow skip. Needs no network where they are there already.
 set -euo pipefail
 
 packages=(
   # to build with
   cmake g++ ninja-build
-  # find_package in CMakeLists.txt
+  # find_package in CMakeLists.txt, and xxhash.h
   libapriltag-dev libboost-dev libceres-dev libeigen3-dev libfmt-dev libopencv-dev libtbb-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev
-  nlohmann-json3-dev
+  libxxhash-dev nlohmann-json3-dev
   # find_package in apps/ and tests/
   libcli11-dev libgmock-dev libgtest-dev liborocos-kdl-dev
 )
+case ${1:-} in
+  '') ;;
+  --workflow) packages+=(snakemake) ;;
+  *)
+    echo "error: unknown option $1, expected --workflow or nothing" >&2
+    exit 2
+    ;;
+esac
 
 missing=()
 for package in "${packages[@]}"; do

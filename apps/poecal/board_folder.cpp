@@ -4,6 +4,7 @@
 #include "poecal/core/csv.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/board_pictures.hpp"
+#include "poecal/detection/known_corners.hpp"
 
 namespace poecal::app {
 namespace {
@@ -33,7 +34,9 @@ IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const
                                       const std::filesystem::path& camera_file) {
   DetectOptions detect_options;
   detect_options.jobs = common.jobs;
-  const BoardPictures pictures = readBoardPictures(folder, detect_options);
+  KnownCorners known(camera_file.parent_path() / ".stages" / "board-corners");
+  const BoardPictures pictures = readBoardPictures(folder, detect_options, &known);
+  known.finish();
   warnAll(describe(pictures.notes));
   IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
   warnAll(result.warnings);

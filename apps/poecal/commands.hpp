@@ -9,6 +9,7 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common);
 std::function<int()> setUpDiagnose(CLI::App& app, const Common& common);
 std::function<int()> setUpEffects(CLI::App& app, const Common& common);
 std::function<int()> setUpExport(CLI::App& app, const Common& common);
+std::function<int()> setUpFleet(CLI::App& app, const Common& common);
 std::function<int()> setUpIdentify(CLI::App& app, const Common& common);
 std::function<int()> setUpIntrinsics(CLI::App& app, const Common& common);
 std::function<int()> setUpMeasure(CLI::App& app, const Common& common);

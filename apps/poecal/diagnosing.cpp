@@ -1,5 +1,11 @@
 #include "diagnosing.hpp"
 
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/yaml.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 
 namespace poecal::app {
@@ -27,12 +33,54 @@ Diagnosing finish(Diagnosis diagnosis, const std::vector<Sample>& samples, const
 
 }  // namespace
 
-Diagnosing diagnoseCapture(const CaptureInputs& inputs, const Identification& identification, const IdentifyOptions& options,
+Identification diagnosisStart(const CaptureInputs& inputs, IdentifyOptions options, const Identification* identification) {
+  const bool lens_stated = inputs.camera.standard_deviation.size() > 0;
+  if (identification != nullptr && (lens_stated || !identification->free.intrinsics)) return *identification;
+  options.hold_out_every = 0;
+  options.camera = CameraChoice::kAuto;
+  options.allow_still_joints = true;
+  return identifyInputs(inputs, options);
+}
+
+Diagnosing diagnoseCapture(const CaptureInputs& inputs, const Identification& start, const IdentifyOptions& options,
                            const std::filesystem::path& out) {
   const Capture& capture = inputs.capture;
-  return finish(diagnose(identification, inputs.observations, capture.table.samples, capture.table.other_columns, capture.target,
-                         capture.gravity, diagnoseOptions(options)),
+  return finish(diagnose(start, inputs.observations, capture.table.samples, capture.table.other_columns, capture.target, capture.gravity,
+                         diagnoseOptions(options)),
                 capture.table.samples, out);
+}
+
+IdentifiedModel identifiedModel(const Identification& identification) {
+  const ErrorSummary& held_out = identification.stages.back().held_out;
+  return {held_out.corners > 0 ? held_out.px.rms : std::numeric_limits<double>::quiet_NaN(), modelYaml(identification.model)};
+}
+
+IdentifiedModel readIdentifiedModel(const std::filesystem::path& folder) {
+  const YamlNode report = YamlNode::load(folder / "identification.json");  // JSON is YAML
+  report.checkFormat("poecal-identification/1");
+  const auto rms = report["residuals"]["held_out"].find("rms_px");
+  return {rms ? rms->number() : std::numeric_limits<double>::quiet_NaN(), readTextFile(folder / "model.yaml")};
+}
+
+Diagnosing diagnoseIdentified(const CaptureInputs& inputs, const Identification& start, const IdentifiedModel& identified,
+                              const IdentifyOptions& options, const std::filesystem::path& out) {
+  constexpr double kClearly = 0.95;
+  Diagnosing result;
+  try {
+    result = diagnoseCapture(inputs, start, options, out);
+  } catch (const InsufficientData& missing) {
+    result.json = {{"format", "poecal-diagnosis/1"}, {"verdict", "insufficient data"}, {"why", missing.what()}};
+    writeTextFile(out / "model.yaml", identified.model_yaml);
+    writeTextFile(out / "diagnosis.json", result.json.dump(2) + "\n");
+    result.text = fmt::format("no diagnosis: {}\n", missing.what());
+    return result;
+  }
+  if (identified.held_out_px > 0.0 && identified.held_out_px < kClearly * result.diagnosis.stages.back().rms) {
+    writeTextFile(out / "model.yaml", identified.model_yaml);
+    result.text += fmt::format("  model.yaml is the identified one, without effects: it predicts poses that it did not see to {:.3f} px\n",
+                               identified.held_out_px);
+  }
+  return result;
 }
 
 Diagnosing diagnosePoses(const PoseTable& table, const Identification& identification, const IdentifyOptions& options,

@@ -151,7 +151,7 @@ Identifying identifyPoses(const Arm& arm, const PoseTable& table, const Identify
 }
 
 void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options) {
-  CLI::Option* capture = app.add_option("CAPTURE", source.capture, "Capture folder");
+  CLI::Option* capture = addMeasuredCaptureOption(app, source.capture);
   CLI::Option* robot = app.add_option("--robot", source.robot, "robot.yaml or URDF, with --poses instead of a capture")->excludes(capture);
   CLI::Option* poses = app.add_option("--poses", source.poses, "poses.csv: joints and T_instrument_tool")->needs(robot)->excludes(capture);
   robot->needs(poses);
@@ -161,7 +161,7 @@ void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options) {
 }
 
 void requireArmSource(const std::string& command, const ArmSource& source) {
-  if (source.capture.empty() && source.poses.empty()) throw InvalidArgument(command + " needs a CAPTURE, or --robot and --poses");
+  if (source.capture.folder.empty() && source.poses.empty()) throw InvalidArgument(command + " needs a CAPTURE, or --robot and --poses");
 }
 
 }  // namespace poecal::app

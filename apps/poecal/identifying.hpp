@@ -22,7 +22,8 @@ struct Identifying {
 
 /// Where an arm and its measurements come from: a capture, or a robot with poses of any instrument.
 struct ArmSource {
-  std::filesystem::path capture, robot, poses;
+  CaptureSource capture;
+  std::filesystem::path robot, poses;
   std::string base_link, tip_link;
 };
 void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options);

@@ -1,11 +1,14 @@
 #include "inputs.hpp"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "board_folder.hpp"
+#include "poecal/core/content_key.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detect_capture.hpp"
+#include "poecal/detection/known_corners.hpp"
 #include "stage.hpp"
 
 namespace poecal::app {
@@ -14,8 +17,8 @@ namespace {
 Camera cameraOf(const Capture& capture, const std::filesystem::path& out, const Common& common) {
   if (capture.camera) return *capture.camera;
   const std::filesystem::path file = out / "camera.yaml";
-  InputKey key;
-  key.addFile(capture.intrinsics_folder / "target.yaml");
+  ContentKey key;
+  key.add(detectionKey(readTarget(capture.intrinsics_folder / "target.yaml"), {}));
   for (const std::string& picture : listPictures(capture.intrinsics_folder)) key.addFile(capture.intrinsics_folder / picture);
   const Stage stage(out, "intrinsics", {file}, key);
   if (!stage.upToDate()) {
@@ -25,28 +28,26 @@ Camera cameraOf(const Capture& capture, const std::filesystem::path& out, const 
   return readCamera(file);
 }
 
+/// Leaves a file of this content alone: its time tells others that nothing is new.
+void writeWhereNew(const std::filesystem::path& file, const std::string& content) {
+  if (!std::filesystem::exists(file) || readTextFile(file) != content) writeTextFile(file, content);
+}
+
 Detections detectionsOf(const Capture& capture, const Camera& camera, const std::filesystem::path& out, const Common& common) {
   const Target* reference = capture.reference ? &*capture.reference : nullptr;
   if (!capture.detections_file.empty()) return readDetections(capture.detections_file, capture.target, reference);
+  DetectOptions options;
+  options.jobs = common.jobs;
+  options.expected_width = camera.width;
+  options.expected_height = camera.height;
+  options.camera = camera;
+  KnownCorners known(knownCornersFile(out));
+  const DetectResult result = detectCapture(capture, options, &known);
+  known.finish();
+  warnAll(describe(result.notes));
+  requireTarget(capture, result);
   const std::filesystem::path file = out / "detections.csv";
-  InputKey key;
-  key.add(targetYaml(capture.target))
-      .add(reference != nullptr ? targetYaml(*reference) : "")
-      .add(cameraYaml(camera));
-  for (const Sample& sample : capture.table.samples) key.add(sample.image).addFile(capture.folder / sample.image);
-  const Stage stage(out, "detect", {file}, key);
-  if (!stage.upToDate()) {
-    DetectOptions options;
-    options.jobs = common.jobs;
-    options.expected_width = camera.width;
-    options.expected_height = camera.height;
-    options.camera = camera;
-    const DetectResult result = detectCapture(capture, options);
-    warnAll(describe(result.notes));
-    requireTarget(capture, result);
-    writeTextFile(file, detectionsCsv(result.detections));
-    stage.markDone();
-  }
+  writeWhereNew(file, detectionsCsv(result.detections));
   return readDetections(file, capture.target, reference);
 }
 
@@ -75,9 +76,30 @@ void warnAll(const std::vector<std::string>& messages) {
   if (messages.size() > kShown) warn(fmt::format("and {} more of this kind", messages.size() - kShown));
 }
 
-CaptureInputs loadCapture(const std::filesystem::path& folder, const std::filesystem::path& out, const Common& common) {
+CLI::Option* addCaptureOption(CLI::App& app, CaptureSource& source) {
+  CLI::Option* capture = app.add_option("CAPTURE", source.folder, "Capture folder");
+  app.add_option("--intrinsics", source.intrinsics, "Camera file (camera.yaml) instead of what the capture names")->needs(capture);
+  return capture;
+}
+
+CLI::Option* addMeasuredCaptureOption(CLI::App& app, CaptureSource& source) {
+  CLI::Option* capture = addCaptureOption(app, source);
+  app.add_option("--detections", source.detections, "Corners found earlier (detections.csv); no picture is read")->needs(capture);
+  return capture;
+}
+
+Capture openCapture(const CaptureSource& source) {
+  Capture capture = readCapture(source.folder);
+  if (!source.intrinsics.empty()) capture.camera = readCamera(source.intrinsics);
+  if (!source.detections.empty()) capture.detections_file = source.detections;
+  return capture;
+}
+
+std::filesystem::path knownCornersFile(const std::filesystem::path& folder) { return folder / ".stages" / "corners"; }
+
+CaptureInputs loadCapture(const CaptureSource& source, const std::filesystem::path& out, const Common& common) {
   CaptureInputs inputs;
-  inputs.capture = readCapture(folder);
+  inputs.capture = openCapture(source);
   const Capture& capture = inputs.capture;
   inputs.camera = cameraOf(capture, out, common);
   inputs.detections = detectionsOf(capture, inputs.camera, out, common);

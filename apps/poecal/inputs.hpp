@@ -10,7 +10,28 @@
 #include "poecal/cell/observation.hpp"
 #include "poecal/detection/detector.hpp"
 
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
 namespace poecal::app {
+
+/// A capture folder, and files made earlier that take the place of what it names.
+struct CaptureSource {
+  std::filesystem::path folder;
+  std::filesystem::path intrinsics;  ///< a camera.yaml; empty: as the capture says
+  std::filesystem::path detections;  ///< a detections.csv; empty: as the capture says
+};
+/// Adds CAPTURE and --intrinsics. @returns CAPTURE.
+CLI::Option* addCaptureOption(CLI::App& app, CaptureSource& source);
+/// Adds CAPTURE, --intrinsics and --detections. @returns CAPTURE.
+CLI::Option* addMeasuredCaptureOption(CLI::App& app, CaptureSource& source);
+/// readCapture() with the files of `source` in their places.
+Capture openCapture(const CaptureSource& source);
+
+/// The file in which what is found for a result in `folder` is kept from run to run.
+std::filesystem::path knownCornersFile(const std::filesystem::path& folder);
 
 /// A capture ready for measuring.
 struct CaptureInputs {
@@ -22,8 +43,8 @@ struct CaptureInputs {
 };
 
 /// Reads a capture. Intrinsics are found from their pictures where it names a folder of them (OUT/camera.yaml), corners where it names no
-/// detections.csv (OUT/detections.csv); what stands in OUT from the same inputs is not done again.
-CaptureInputs loadCapture(const std::filesystem::path& folder, const std::filesystem::path& out, const Common& common);
+/// detections.csv (OUT/detections.csv); what stands in OUT from the same inputs is not done again, picture by picture.
+CaptureInputs loadCapture(const CaptureSource& source, const std::filesystem::path& out, const Common& common);
 
 /// Pictures of which none shows the target calibrate nothing. @throws InsufficientData, with the last note: where it is known, it says why.
 void requireTarget(const Capture& capture, const DetectResult& result);

@@ -45,6 +45,7 @@ constexpr Command kCommands[] = {
     {"paper", "the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
     {"diagnose", "where the gap lies, which effect causes it, how far it shrinks", setUpDiagnose},
+    {"fleet", "one table of many captures' results", setUpFleet},
     {"report", "one self-contained page (not built yet)", setUpNotBuilt},
 };
 

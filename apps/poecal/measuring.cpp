@@ -1,5 +1,7 @@
 #include "measuring.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "core/yaml.hpp"
@@ -11,7 +13,7 @@
 namespace poecal::app {
 namespace {
 
-std::string registrationYaml(const RegistrationResult& result) {
+std::string registrationYaml(const CaptureInputs& inputs, const RegistrationResult& result) {
   const Registration& registration = result.cell.registration;
   const Eigen::VectorXd deviation = result.adjustment.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   const auto block = [&deviation](int begin) {
@@ -23,6 +25,9 @@ std::string registrationYaml(const RegistrationResult& result) {
   text += fmt::format("T_{}_target: {}\n", registration.farFrame(), yamlPose(registration.T_far_target));
   text += "standard_deviation:  # of left perturbations (rotation, translation) in the first-named frame, rad and m\n";
   text += fmt::format("  T_camera_{}: {}\n  T_{}_target: {}\n", registration.nearFrame(), block(0), registration.farFrame(), block(6));
+  const auto left_out = std::count_if(result.samples.begin(), result.samples.end(), [](const RegisteredSample& sample) { return sample.left_out; });
+  text += fmt::format("pictures: {}\npictures_with_corners: {}\npictures_left_out: {}\n", inputs.capture.table.samples.size(),
+                      inputs.observations.size(), left_out);
   text += fmt::format("rms_px: {}\nrms_all_px: {}\nfree_rms_px: {}\ncorner_sigma_px: {}\n", formatNumber(result.rms_px), formatNumber(result.rms_all_px),
                       formatNumber(result.free_rms_px), formatNumber(result.corner_sigma_px));
   return text;
@@ -68,7 +73,7 @@ Measuring measureCapture(const CaptureInputs& inputs, const std::filesystem::pat
     throw FileError(inputs.capture.table.file, 1, suspicion.what());
   }
   warnAll(result.warnings);
-  writeTextFile(out / "registration.yaml", registrationYaml(result));
+  writeTextFile(out / "registration.yaml", registrationYaml(inputs, result));
   writeTextFile(out / "flange_poses.csv", flangePosesCsv(inputs, result));
 
   const Registration& registration = result.cell.registration;

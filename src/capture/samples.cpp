@@ -97,7 +97,7 @@ SampleTable readSamples(const std::filesystem::path& file, int joint_count, cons
     if (pose_columns) sample.T_base_flange = readPoseCells(csv, row, *pose_columns);
     table.samples.push_back(std::move(sample));
   }
-  if (limits_of != nullptr) checkReadings(file, table.samples, *limits_of);
+  if (limits_of != nullptr && table.has_joints) checkReadings(file, table.samples, *limits_of);
   requireSeveralPoses(file, table.samples);
   return table;
 }

@@ -1,6 +1,8 @@
 #include "poecal/cell/observation.hpp"
 
 #include <cmath>
+#include <string>
+#include <unordered_map>
 
 namespace poecal {
 
@@ -11,16 +13,18 @@ Vector6d poseDifference(const Eigen::Isometry3d& T_measured, const Eigen::Isomet
 }
 
 std::vector<Observation> cornerObservations(const SampleTable& table, const Detections& detections, const Target& target) {
+  std::unordered_map<std::string, const ImageCorners*> by_image;
+  for (const ImageCorners& entry : detections.images) by_image.emplace(entry.image, &entry);
   std::vector<Observation> observations;
   for (std::size_t k = 0; k < table.samples.size(); ++k) {
     const Sample& sample = table.samples[k];
-    const ImageCorners* found = detections.find(sample.image);
-    if (found == nullptr || found->corners.empty()) continue;
+    const auto found = by_image.find(sample.image);
+    if (found == by_image.end()) continue;
     Observation observation;
     observation.sample = k;
     observation.q = sample.q;
     observation.T_base_flange = sample.T_base_flange;
-    for (const Corner& corner : found->corners) {
+    for (const Corner& corner : found->second->corners) {
       const TargetPoint* point = target.find(corner.id);
       if (point == nullptr) continue;
       const double sigma = std::isfinite(corner.sigma) && corner.sigma > 0.0 ? corner.sigma : 1.0;

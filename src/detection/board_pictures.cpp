@@ -25,11 +25,11 @@ BoardView boardView(const ImageCorners& image, const Target& target) {
 
 }  // namespace
 
-BoardPictures readBoardPictures(const std::filesystem::path& folder, const DetectOptions& options) {
+BoardPictures readBoardPictures(const std::filesystem::path& folder, const DetectOptions& options, KnownCorners* known) {
   const Target target = readTarget(folder / "target.yaml");
   const std::vector<std::string> images = listPictures(folder);
   if (images.empty()) throw FileError(folder, 0, "no pictures, expected PNG, JPEG or TIFF files of the board");
-  DetectResult found = detect(folder, images, target, options);
+  DetectResult found = detect(folder, images, target, options, known);
   if (found.width == 0) throw FileError(folder, 0, fmt::format("none of the {} pictures can be read", images.size()));
   BoardPictures pictures;
   for (const ImageCorners& image : found.detections.images) pictures.views.push_back(boardView(image, target));

@@ -1,6 +1,8 @@
 #include "poecal/detection/detect_capture.hpp"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 namespace poecal {
 namespace {
@@ -18,11 +20,10 @@ void addReference(DetectResult& result, DetectResult reference) {
     corners.insert(corners.end(), more.begin(), more.end());
     std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
   }
-  const std::vector<PictureNote> target_notes = result.notes;
+  std::set<std::pair<std::string, std::string>> said;
+  for (const PictureNote& note : result.notes) said.emplace(note.image, note.message);
   for (PictureNote& note : reference.notes) {
-    const bool said = std::any_of(target_notes.begin(), target_notes.end(),
-                                  [&](const PictureNote& other) { return other.image == note.image && other.message == note.message; });
-    if (said) continue;
+    if (said.contains({note.image, note.message})) continue;
     note.message = "reference: " + note.message;
     note.failed = false;
     result.notes.push_back(std::move(note));
@@ -31,7 +32,7 @@ void addReference(DetectResult& result, DetectResult reference) {
 
 }  // namespace
 
-DetectResult detectCapture(const Capture& capture, DetectOptions options) {
+DetectResult detectCapture(const Capture& capture, DetectOptions options, KnownCorners* known) {
   if (capture.camera) {
     options.expected_width = capture.camera->width;
     options.expected_height = capture.camera->height;
@@ -39,11 +40,11 @@ DetectResult detectCapture(const Capture& capture, DetectOptions options) {
   }
   std::vector<std::string> images;
   for (const Sample& sample : capture.table.samples) images.push_back(sample.image);
-  if (!capture.reference) return detect(capture.folder, images, capture.target, options);
+  if (!capture.reference) return detect(capture.folder, images, capture.target, options, known);
   options.other_tags = tagIds(*capture.reference);
-  DetectResult result = detect(capture.folder, images, capture.target, options);
+  DetectResult result = detect(capture.folder, images, capture.target, options, known);
   options.other_tags = tagIds(capture.target);
-  addReference(result, detect(capture.folder, images, *capture.reference, options));
+  addReference(result, detect(capture.folder, images, *capture.reference, options, known));
   return result;
 }
 

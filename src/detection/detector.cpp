@@ -14,6 +14,7 @@
 #include "poecal/core/error.hpp"
 #include "poecal/core/parallel.hpp"
 #include "poecal/core/progress.hpp"
+#include "poecal/detection/known_corners.hpp"
 #include "target/names.hpp"
 
 namespace poecal {
@@ -68,23 +69,34 @@ class FinderPool {
   std::vector<std::unique_ptr<CornerFinder>> idle_;
 };
 
-/// What is kept of a picture.
-struct PictureResult {
-  Finding finding;
-  cv::Size size;  ///< 0 x 0 where it could not be read
-};
+/// What is kept of a picture; 0 x 0 where it could not be read.
+PictureFinding unreadable(const std::string& problem) { return {{}, {problem}}; }
 
-PictureResult processPicture(const std::filesystem::path& file, FinderPool& finders) {
-  const Picture picture = readPicture(file);
-  if (picture.grey.empty()) return {{{}, {picture.problem}}, {}};
-  return {finders.find(picture.grey), picture.grey.size()};
+bool isReadable(const PictureFinding& finding) { return finding.width > 0; }
+
+PictureFinding search(const PictureFile& file, FinderPool& finders) {
+  const Picture picture = decodePicture(file);
+  if (picture.grey.empty()) return unreadable(picture.problem);
+  Finding found = finders.find(picture.grey);
+  return {std::move(found.corners), std::move(found.notes), picture.grey.cols, picture.grey.rows};
+}
+
+/// search(), where it was not done before.
+PictureFinding searchOnce(const PictureFile& file, FinderPool& finders, const std::string& detection_key, KnownCorners& known) {
+  if (file.bytes.empty()) return unreadable(file.problem);
+  const std::string key = pictureKey(detection_key, file.bytes);
+  if (std::optional<PictureFinding> before = known.find(key)) return *std::move(before);
+  PictureFinding finding = search(file, finders);
+  // A file that is no picture is told so in no time.
+  if (isReadable(finding)) known.add(key, finding);
+  return finding;
 }
 
 /// The size that all pictures must have: what is expected, or that of the first one that could be read.
-cv::Size commonSize(const std::vector<PictureResult>& results, const DetectOptions& options) {
+cv::Size commonSize(const std::vector<PictureFinding>& findings, const DetectOptions& options) {
   if (options.expected_width > 0 && options.expected_height > 0) return {options.expected_width, options.expected_height};
-  for (const PictureResult& result : results) {
-    if (!result.size.empty()) return result.size;
+  for (const PictureFinding& finding : findings) {
+    if (isReadable(finding)) return {finding.width, finding.height};
   }
   return {};
 }
@@ -104,28 +116,29 @@ void DetectOptions::validate() const {
 }
 
 DetectResult detect(const std::filesystem::path& folder, const std::vector<std::string>& images, const Target& target,
-                    const DetectOptions& options) {
+                    const DetectOptions& options, KnownCorners* known) {
   options.validate();
   FinderPool finders(target, options);
-  std::vector<PictureResult> results(images.size());
+  const std::string key = known != nullptr ? detectionKey(target, options) : "";
+  std::vector<PictureFinding> findings(images.size());
   Progress progress("detecting", images.size());
   parallelFor(images.size(), options.jobs, [&](std::size_t k) {
-    results[k] = processPicture(folder / images[k], finders);
+    const PictureFile file = readPictureFile(folder / images[k]);
+    findings[k] = known != nullptr ? searchOnce(file, finders, key, *known) : search(file, finders);
     progress.advance();
   });
 
-  const cv::Size size = commonSize(results, options);
+  const cv::Size size = commonSize(findings, options);
   DetectResult result;
   result.width = size.width;
   result.height = size.height;
   std::vector<std::string> readable;
   bool any_corners = false;
   for (std::size_t k = 0; k < images.size(); ++k) {
-    Finding& finding = results[k].finding;
-    if (!results[k].size.empty() && results[k].size != size) {
-      finding = {
-          {}, {fmt::format("is {} x {} pixels, expected {} x {}", results[k].size.width, results[k].size.height, size.width, size.height)}};
-    } else if (!results[k].size.empty()) {
+    PictureFinding& finding = findings[k];
+    if (isReadable(finding) && cv::Size(finding.width, finding.height) != size) {
+      finding = {{}, {fmt::format("is {} x {} pixels, expected {} x {}", finding.width, finding.height, size.width, size.height)}};
+    } else if (isReadable(finding)) {
       readable.push_back(images[k]);
     }
     any_corners = any_corners || !finding.corners.empty();

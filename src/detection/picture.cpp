@@ -65,20 +65,26 @@ cv::Mat toEightBit(const cv::Mat& wide) {
 
 }  // namespace
 
-Picture readPicture(const std::filesystem::path& file) {
-  std::string bytes;
+PictureFile readPictureFile(const std::filesystem::path& file) {
   try {
-    bytes = readTextFile(file);
+    PictureFile picture{readTextFile(file), ""};
+    if (picture.bytes.empty()) picture.problem = "the file is empty";
+    return picture;
   } catch (const FileError&) {
-    return {{}, std::filesystem::exists(file) ? "cannot be read" : "no such file"};
+    return {"", std::filesystem::exists(file) ? "cannot be read" : "no such file"};
   }
-  if (bytes.empty()) return {{}, "the file is empty"};
-  if (isCutShort(bytes)) return {{}, "the file is cut short"};
-  const cv::Mat picture = decode(bytes);
+}
+
+Picture decodePicture(const PictureFile& file) {
+  if (file.bytes.empty()) return {{}, file.problem};
+  if (isCutShort(file.bytes)) return {{}, "the file is cut short"};
+  const cv::Mat picture = decode(file.bytes);
   if (picture.empty()) return {{}, "is not a picture that can be read, expected PNG, JPEG or TIFF"};
   if (picture.depth() == CV_8U) return {picture, ""};
   if (picture.depth() == CV_16U) return {toEightBit(picture), ""};
   return {{}, "has pixels that are neither 8 nor 16 bit integers"};
 }
+
+Picture readPicture(const std::filesystem::path& file) { return decodePicture(readPictureFile(file)); }
 
 }  // namespace poecal

@@ -69,6 +69,13 @@ TEST_F(Samples, FlangePosesSurviveWriting) {
   }
 }
 
+TEST_F(Samples, WithoutReadingsAnArmMayBeKnownAllTheSame) {
+  for (const bool limits : {true, false}) {
+    arm_ = test::smallArm(limits);
+    EXPECT_EQ(read("image,x,y,z,qx,qy,qz,qw\na.png,1,2,3,0,0,0,1\nb.png,2,2,3,0,0,0,1\n").samples.size(), 2u) << limits;
+  }
+}
+
 TEST_F(Samples, JointsAreCountedWhereNoArmIsKnown) {
   const auto file = folder_.write("samples.csv", "image,q1,q2,dir1,dir2,q1_raw\na.png,50,2,0,1,5\nb.png,3,4,0,1,6\n");
   const SampleTable table = readSamples(file, 0, nullptr);

@@ -17,11 +17,15 @@ struct ProgramRun {
   std::string err;
 };
 
-/// `poecal ARGUMENTS` through the shell, in `folder`, where stdout.txt and stderr.txt are left.
-inline ProgramRun runProgram(const std::filesystem::path& folder, const std::string& arguments) {
-  const std::string command = "cd '" + folder.string() + "' && '" POECAL_PROGRAM "' " + arguments + " >stdout.txt 2>stderr.txt";
-  const int status = std::system(command.c_str());
+/// A command line of the shell in `folder`, where stdout.txt and stderr.txt are left.
+inline ProgramRun runShell(const std::filesystem::path& folder, const std::string& command) {
+  const int status = std::system(("cd '" + folder.string() + "' && " + command + " >stdout.txt 2>stderr.txt").c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readTextFile(folder / "stdout.txt"), readTextFile(folder / "stderr.txt")};
+}
+
+/// `poecal ARGUMENTS`.
+inline ProgramRun runProgram(const std::filesystem::path& folder, const std::string& arguments) {
+  return runShell(folder, "'" POECAL_PROGRAM "' " + arguments);
 }
 
 }  // namespace poecal::test

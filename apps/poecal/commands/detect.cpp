@@ -1,12 +1,16 @@
 // poecal detect: the corners of the target in every picture of a capture.
+#include <sstream>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "inputs.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detect_capture.hpp"
+#include "poecal/detection/known_corners.hpp"
 
 namespace poecal::app {
 namespace {
@@ -30,46 +34,91 @@ Counts count(const Detections& detections, const Target& target) {
   return counts;
 }
 
+/// A share of a capture's pictures: the `index`-th of `count`, both from 1; all of them where count is 0.
+struct Part {
+  std::size_t index = 0, count = 0;
+};
+
+/// @throws InvalidArgument unless `text` is K/N with 1 <= K <= N.
+Part parsePart(const std::string& text) {
+  Part part;
+  std::istringstream stream(text);
+  char slash = 0;
+  const bool digits = text.find_first_not_of("0123456789/") == std::string::npos;
+  if (!digits || !(stream >> part.index >> slash >> part.count) || !stream.eof() || slash != '/' || part.index < 1 ||
+      part.index > part.count) {
+    throw InvalidArgument(fmt::format("--part is '{}', expected K/N, the K-th of N parts", text));
+  }
+  return part;
+}
+
+/// Neighbouring rows, as many in each part as in any other, or one more.
+void keepPart(const Part& part, std::vector<Sample>& samples) {
+  const std::size_t begin = samples.size() * (part.index - 1) / part.count, end = samples.size() * part.index / part.count;
+  samples = std::vector<Sample>(samples.begin() + static_cast<std::ptrdiff_t>(begin), samples.begin() + static_cast<std::ptrdiff_t>(end));
+}
+
+struct Arguments {
+  CaptureSource capture;
+  std::filesystem::path out;
+  std::string part;
+  std::vector<std::filesystem::path> known;
+  DetectOptions detect;
+};
+
 constexpr const char* kExample = R"(
 Example:
   $ poecal detect capture --out detections.csv
   60 of 60 pictures show the target, 240 corners in detections.csv
+
+What was found is kept in .stages/ beside the output: another run detects only in pictures that are new. On several machines:
+  $ poecal detect capture --part 1/2 --out 1.corners     # here
+  $ poecal detect capture --part 2/2 --out 2.corners     # there
+  $ poecal detect capture --known 1.corners 2.corners --out detections.csv
 )";
+
+int run(Arguments& arguments, const Common& common) {
+  const bool whole = arguments.part.empty();
+  Capture capture = openCapture(arguments.capture);
+  if (!whole) keepPart(parsePart(arguments.part), capture.table.samples);
+  arguments.detect.jobs = common.jobs;
+  KnownCorners known(whole ? knownCornersFile(arguments.out.parent_path()) : arguments.out);
+  for (const std::filesystem::path& file : arguments.known) known.read(file);
+  const DetectResult result = detectCapture(capture, arguments.detect, &known);
+  known.finish();
+  const std::vector<std::string> notes = describe(result.notes);
+  warnAll(notes);
+  if (whole) {
+    requireTarget(capture, result);
+    writeTextFile(arguments.out, detectionsCsv(result.detections));
+  }
+  const Counts counts = count(result.detections, capture.target);
+  printSummary(common,
+               fmt::format("{} of {} pictures show the target, {} corners in {}\n", counts.with_corners, counts.pictures, counts.corners,
+                           arguments.out.string()),
+               {{"pictures", counts.pictures},
+                {"pictures_with_corners", counts.with_corners},
+                {"corners", counts.corners},
+                {"known_before", known.reused()},
+                {"warnings", notes},
+                {"file", arguments.out.string()}});
+  return 0;
+}
 
 }  // namespace
 
 std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
-  struct Options {
-    std::filesystem::path capture, out;
-    DetectOptions detect;
-  };
-  const auto options = std::make_shared<Options>();
-  app.add_option("CAPTURE", options->capture, "Capture folder")->required();
-  app.add_option("--out", options->out, "File for the corners (detections.csv)")->required();
-  app.add_option("--quad-decimate", options->detect.quad_decimate,
+  const auto arguments = std::make_shared<Arguments>();
+  addCaptureOption(app, arguments->capture)->required();
+  app.add_option("--out", arguments->out, "File for the corners (detections.csv)")->required();
+  app.add_option("--part", arguments->part, "K/N: search the K-th of N parts of the pictures alone; --out is then a file for --known");
+  app.add_option("--known", arguments->known, "What --part found: pictures in these files are not searched again");
+  app.add_option("--quad-decimate", arguments->detect.quad_decimate,
                  "Look for tags in pictures this much smaller first; edges are refined in the full ones")
       ->capture_default_str();
-  app.add_flag("!--no-refine", options->detect.refine, "Leave AprilTag's corners as they are, without fitting the tags to the picture");
+  app.add_flag("!--no-refine", arguments->detect.refine, "Leave AprilTag's corners as they are, without fitting the tags to the picture");
   app.footer(kExample);
-  return [options, &common] {
-    const Capture capture = readCapture(options->capture);
-    options->detect.jobs = common.jobs;
-    const DetectResult result = detectCapture(capture, options->detect);
-    const std::vector<std::string> notes = describe(result.notes);
-    warnAll(notes);
-    requireTarget(capture, result);
-    const Counts counts = count(result.detections, capture.target);
-    writeTextFile(options->out, detectionsCsv(result.detections));
-    printSummary(common,
-                 fmt::format("{} of {} pictures show the target, {} corners in {}\n", counts.with_corners, counts.pictures, counts.corners,
-                             options->out.string()),
-                 {{"pictures", counts.pictures},
-                  {"pictures_with_corners", counts.with_corners},
-                  {"corners", counts.corners},
-                  {"warnings", notes},
-                  {"file", options->out.string()}});
-    return 0;
-  };
+  return [arguments, &common] { return run(*arguments, common); };
 }
 
 }  // namespace poecal::app

@@ -26,28 +26,33 @@ std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
   struct Options {
     ArmSource source;
     std::filesystem::path out;
+    std::filesystem::path identified;
     std::string explain;
     IdentifyOptions identify;
   };
   const auto options = std::make_shared<Options>();
   addArmSource(app, options->source, options->identify);
   app.add_option("--out", options->out, "Folder for diagnosis.json and model.yaml")->required();
+  app.add_option(
+      "--identified", options->identified,
+      "Folder with the results of identify: its model.yaml is kept where it predicts unseen poses clearly better, as run does it");
   app.add_option("--explain", options->explain, "Say of an effect, at each of its places, why it was or was not chosen");
   addToleranceOptions(app, options->identify);
   app.footer(kExample);
   return [options, &common] {
     requireArmSource("diagnose", options->source);
     if (!options->explain.empty()) effectKind(options->explain);
-    // The diagnosis holds out poses itself; a fit to all is where it starts. A lens of unstated deviations is taken as stated: that it is
-    // wrong is for the diagnosis to say.
-    options->identify.hold_out_every = 0;
-    options->identify.camera = CameraChoice::kAuto;
-    options->identify.allow_still_joints = true;
     Diagnosing result;
-    if (!options->source.capture.empty()) {
+    if (!options->source.capture.folder.empty()) {
       const CaptureInputs inputs = loadCapture(options->source.capture, options->out, common);
-      result = diagnoseCapture(inputs, identifyInputs(inputs, options->identify), options->identify, options->out);
+      const Identification start = diagnosisStart(inputs, options->identify);
+      result = options->identified.empty()
+                   ? diagnoseCapture(inputs, start, options->identify, options->out)
+                   : diagnoseIdentified(inputs, start, readIdentifiedModel(options->identified), options->identify, options->out);
     } else {
+      if (!options->identified.empty()) throw InvalidArgument("--identified needs a CAPTURE");
+      options->identify.hold_out_every = 0;
+      options->identify.allow_still_joints = true;
       const Arm arm = readArm(options->source.robot, options->source.base_link, options->source.tip_link);
       const PoseTable table = readPoses(options->source.poses, arm);
       result = diagnosePoses(table, identifyTable(arm, table, options->identify), options->identify, options->out);

@@ -36,7 +36,7 @@ std::function<int()> setUpIdentify(CLI::App& app, const Common& common) {
   return [options, &common] {
     requireArmSource("identify", options->source);
     Identifying result;
-    if (!options->source.capture.empty()) {
+    if (!options->source.capture.folder.empty()) {
       result = identifyCapture(loadCapture(options->source.capture, options->out, common), options->identify, options->out);
     } else {
       const Arm arm = readArm(options->source.robot, options->source.base_link, options->source.tip_link);

@@ -1,6 +1,6 @@
 // poecal measure: hand-eye and base registration, and the flange poses that the camera measured.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
@@ -20,10 +20,11 @@ Example:
 
 std::function<int()> setUpMeasure(CLI::App& app, const Common& common) {
   struct Options {
-    std::filesystem::path capture, out;
+    CaptureSource capture;
+    std::filesystem::path out;
   };
   const auto options = std::make_shared<Options>();
-  app.add_option("CAPTURE", options->capture, "Capture folder")->required();
+  addMeasuredCaptureOption(app, options->capture)->required();
   app.add_option("--out", options->out, "Folder for registration.yaml and flange_poses.csv")->required();
   app.footer(kExample);
   return [options, &common] {

@@ -6,8 +6,6 @@
 #include "commands.hpp"
 #include "diagnosing.hpp"
 #include "measuring.hpp"
-#include "poecal/core/error.hpp"
-#include "poecal/core/text.hpp"
 
 namespace poecal::app {
 namespace {
@@ -27,44 +25,16 @@ Example:
   results in out; the report is not built yet
 )";
 
-/// model.yaml is the diagnosis' with its effects, unless the identification alone predicts unseen poses clearly better: where it re-fitted
-/// a lens that no single effect mends, or where what is left is of a shape that no model file can hold.
-void keepTheBetterModel(const Identification& identification, const Diagnosis& diagnosis, const std::filesystem::path& out,
-                        std::string& text) {
-  constexpr double kClearly = 0.95;
-  const double identified = identification.stages.back().held_out.px.rms, diagnosed = diagnosis.stages.back().rms;
-  if (!(identified > 0.0) || !(identified < kClearly * diagnosed)) return;
-  writeTextFile(out / "model.yaml", modelYaml(identification.model));
-  text +=
-      fmt::format("  model.yaml is the identified one, without effects: it predicts poses that it did not see to {:.3f} px\n", identified);
-}
-
-/// A capture that is too small for a diagnosis is calibrated all the same.
-void diagnoseOrSayWhyNot(const CaptureInputs& inputs, const Identification& identification, const IdentifyOptions& options,
-                         const std::filesystem::path& out, std::string& text, nlohmann::json& json) {
-  if (identification.method != Method::kBundle) {
-    text += "no diagnosis: it starts from method bundle\n";
-    return;
-  }
-  try {
-    const Diagnosing diagnosing = diagnoseCapture(inputs, identification, options, out);
-    text += diagnosing.text;
-    json["diagnose"] = diagnosing.json;
-    keepTheBetterModel(identification, diagnosing.diagnosis, out, text);
-  } catch (const InsufficientData& missing) {
-    text += fmt::format("no diagnosis: {}\n", missing.what());
-  }
-}
-
 }  // namespace
 
 std::function<int()> setUpRun(CLI::App& app, const Common& common) {
   struct Options {
-    std::filesystem::path capture, out;
+    CaptureSource capture;
+    std::filesystem::path out;
     IdentifyOptions identify;
   };
   const auto options = std::make_shared<Options>();
-  app.add_option("CAPTURE", options->capture, "Capture folder")->required();
+  addMeasuredCaptureOption(app, options->capture)->required();
   app.add_option("--out", options->out, "Folder for all results")->required();
   addIdentifyOptions(app, options->identify);
   app.footer(kExample);
@@ -77,7 +47,15 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
       const Identifying identifying = identifyCapture(inputs, options->identify, options->out, &measuring.registration);
       text += identifying.text;
       json["identify"] = identifying.json;
-      diagnoseOrSayWhyNot(inputs, identifying.identification, options->identify, options->out, text, json);
+      const Identification& identification = identifying.identification;
+      if (identification.method == Method::kBundle) {
+        const Diagnosing diagnosing = diagnoseIdentified(inputs, diagnosisStart(inputs, options->identify, &identification),
+                                                         identifiedModel(identification), options->identify, options->out);
+        text += diagnosing.text;
+        json["diagnose"] = diagnosing.json;
+      } else {
+        text += "no diagnosis: it starts from method bundle\n";
+      }
     }
     text += "results in " + options->out.string() + "; the report is not built yet\n";
     printSummary(common, text, json);

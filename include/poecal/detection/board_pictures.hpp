@@ -16,7 +16,8 @@ struct BoardPictures {
 };
 
 /// Finds the target of folder/target.yaml in every picture of the folder.
+/// @param known  as detect() takes them.
 /// @throws FileError: no pictures, none that can be read, no target.yaml or an error in it. Otherwise as detect().
-BoardPictures readBoardPictures(const std::filesystem::path& folder, const DetectOptions& options);
+BoardPictures readBoardPictures(const std::filesystem::path& folder, const DetectOptions& options, KnownCorners* known = nullptr);
 
 }  // namespace poecal

@@ -9,7 +9,8 @@ namespace poecal {
 /// detect() for every sample's picture. Corners of the reference stand beside the target's; their names differ, which readCapture sees to.
 /// Where the capture has a camera, pictures of another size fail. Notes that only concern the reference begin with "reference: ".
 /// @param options  expected sizes and other_tags are filled in from the capture.
+/// @param known  as detect() takes them.
 /// @throws as detect().
-DetectResult detectCapture(const Capture& capture, DetectOptions options);
+DetectResult detectCapture(const Capture& capture, DetectOptions options, KnownCorners* known = nullptr);
 
 }  // namespace poecal

@@ -12,6 +12,8 @@
 
 namespace poecal {
 
+class KnownCorners;
+
 struct DetectOptions {
   int jobs = 0;                  ///< pictures at a time; 0: one per core
   double quad_decimate = 2.0;    ///< AprilTag looks for quads in a picture this much smaller; edges are refined in the full one
@@ -45,10 +47,12 @@ struct DetectResult {
 /// tags of another family are there, the last note says so.
 /// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;
 /// others look the same after half a turn and start where OpenCV starts.
+/// @param known  corners found before: a picture of the same bytes with the same detectionKey() is not searched again, and what is found
+/// joins them as each picture is finished. The result is the same with and without.
 /// @throws InvalidArgument for an unknown family or dictionary, or a target of single points, which pictures do not show. FileError where
 /// no tag was seen and the pictures show the target's tags mirrored.
 DetectResult detect(const std::filesystem::path& folder, const std::vector<std::string>& images, const Target& target,
-                    const DetectOptions& options);
+                    const DetectOptions& options, KnownCorners* known = nullptr);
 
 /// Names that `family` may have, for messages.
 std::vector<std::string> knownFamilies();
