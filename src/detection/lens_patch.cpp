@@ -58,13 +58,18 @@ std::optional<LensPatch> LensPatch::of(const Camera& camera, const Eigen::Vector
 LensPatch::Straight LensPatch::straighten(const Eigen::Vector2d& px) const {
   if (!camera_) return {px, Eigen::Matrix2d::Identity()};
   const Terms at = terms((px - centre_) / scale_);
-  return {px + coefficients_ * at.values, Eigen::Matrix2d::Identity() + coefficients_ * at.slopes / scale_};
+  // Lazy, because Eigen hands products of this length to the kernels for large matrices, which take three times as long.
+  return {px + coefficients_.lazyProduct(at.values), Eigen::Matrix2d::Identity() + coefficients_.lazyProduct(at.slopes) / scale_};
 }
 
 LensPatch::Straight LensPatch::straightenExactly(const Eigen::Vector2d& px) const {
   Straight straight = straighten(px);
-  if (camera_) straight.px += straight.J_straight_px * (px - bend(straight.px));
+  straight.px = exactly(px, straight);
   return straight;
+}
+
+Eigen::Vector2d LensPatch::exactly(const Eigen::Vector2d& px, const Straight& straight) const {
+  return camera_ ? straight.px + straight.J_straight_px * (px - bend(straight.px)) : straight.px;
 }
 
 Eigen::Vector2d LensPatch::bend(const Eigen::Vector2d& px_straight) const {

@@ -28,6 +28,8 @@ class LensPatch {
   Straight straighten(const Eigen::Vector2d& px) const;
   /// Within 3e-3 px of the camera's inverse at the rim of a lens that the polynomial hardly follows, else far better.
   Straight straightenExactly(const Eigen::Vector2d& px) const;
+  /// The same pixel from what straighten() gave for it.
+  Eigen::Vector2d exactly(const Eigen::Vector2d& px, const Straight& straight) const;
   /// The pixel whose straight one is `px_straight`, as the camera projects; not a number where it does not.
   Eigen::Vector2d bend(const Eigen::Vector2d& px_straight) const;
 

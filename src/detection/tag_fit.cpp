@@ -201,7 +201,7 @@ class Fit {
         if (!(steepest.uv.minCoeff() >= 0.0 && steepest.uv.maxCoeff() <= pattern_.width())) continue;
         // Most pixels go here, before their own view is worked out.
         if (surroundings(pattern_, steepest, edge_reach, unknown_reach) == Surroundings::kFlat) continue;
-        const Eigen::Vector2d px_straight = lens_.straightenExactly(px).px;
+        const Eigen::Vector2d px_straight = lens_.exactly(px, straight);
         const Eigen::Matrix2d J_uv_straight = map.cellsPerPixel(steepest.uv, px_straight);
         const TagView view(steepest.uv, J_uv_straight * straight.J_straight_px);
         if (surroundings(pattern_, view, edge_reach, unknown_reach) != Surroundings::kEdges) continue;
