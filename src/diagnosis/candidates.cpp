@@ -73,17 +73,9 @@ void addMassErrors(const Cell& cell, Candidate& candidate) {
   candidate.typical = Eigen::Map<Eigen::VectorXd>(typical.data(), static_cast<Eigen::Index>(typical.size()));
 }
 
-/// Where a drift by stamp or temperature begins in these samples.
-double driftReferenceOf(const std::string& driver, const std::vector<Sample>& samples) {
-  if (driver == "temperature") return samples.front().temperature.value_or(0.0);
-  double first = std::numeric_limits<double>::infinity();
-  for (const Sample& sample : samples) first = std::min(first, sample.stamp.value_or(first));
-  return first;
-}
-
 bool isRandom(const Effect& effect) { return effect.kind().add_derivative == nullptr; }
 
-void addNamed(const Cell& cell, const Effect& effect, double share, const std::vector<Sample>& samples,
+void addNamed(const CaptureContext& capture, const Effect& effect, double share, const std::vector<Sample>& samples,
               std::vector<Candidate>& candidates) {
   Candidate candidate;
   candidate.effect = effect;
@@ -97,14 +89,17 @@ void addNamed(const Cell& cell, const Effect& effect, double share, const std::v
     const EffectParameter& parameter = effect.parameters()[i];
     if (parameter.role == ParameterRole::kScanned) scan = static_cast<Eigen::Index>(i);
     // Another capture begins elsewhere: what was found here keeps this one's reference.
-    if (parameter.name == "reference") candidate.parameters(static_cast<Eigen::Index>(i)) = driftReferenceOf(effect.driver(), samples);
+    if (parameter.name == "reference") {
+      candidate.parameters(static_cast<Eigen::Index>(i)) =
+          effect.driver() == "temperature" ? capture.first_temperature : capture.first_stamp;
+    }
     if (parameter.role != ParameterRole::kLinear) continue;
     candidate.linear.push_back(static_cast<Eigen::Index>(i));
     typical.push_back(parameter.typical);
   }
   candidate.typical = Eigen::Map<Eigen::VectorXd>(typical.data(), static_cast<Eigen::Index>(typical.size()));
   candidate.log_prior = std::log(share);
-  addMassErrors(cell, candidate);
+  addMassErrors(capture.cell, candidate);
   if (!scan) {
     candidates.push_back(std::move(candidate));
     return;
@@ -314,17 +309,13 @@ Eigen::MatrixXd curveColumns(const Candidate& candidate, const CaptureRows& rows
   return columns;
 }
 
-std::vector<SampleContext> contextsOf(const MeasuredCell& measured, const ModelState& state) {
-  const auto capture = makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples);
-  std::vector<SampleContext> contexts;
-  for (std::size_t k = 0; k < measured.samples.size(); ++k) contexts.push_back(makeSampleContext(capture, measured.samples[k], k, {}));
-  return contexts;
-}
-
 }  // namespace
 
 CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns) {
   CandidateList list;
+  const auto capture = makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples);
+  std::vector<SampleContext> contexts;
+  for (std::size_t k = 0; k < measured.samples.size(); ++k) contexts.push_back(makeSampleContext(capture, measured.samples[k], k, {}));
   const Candidates named = candidateEffects(state.cell.cell, measured.target, measured.samples);
   list.not_testable = named.not_testable;
   std::set<std::string> kinds;
@@ -336,10 +327,10 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
   }
   for (const Effect& effect : named.effects) {
     if (isRandom(effect)) continue;
-    addNamed(state.cell.cell, effect, kNamedShare / static_cast<double>(kinds.size()) / instances[effect.name()], measured.samples,
+    addNamed(*capture, effect, kNamedShare / static_cast<double>(kinds.size()) / instances[effect.name()], measured.samples,
              list.candidates);
   }
-  std::vector<Candidate> curves = Curves(measured, contextsOf(measured, state), other_columns).all();
+  std::vector<Candidate> curves = Curves(measured, contexts, other_columns).all();
   for (Candidate& curve : curves) {
     curve.log_prior = std::log(kCurveShare / static_cast<double>(curves.size()));
     list.candidates.push_back(std::move(curve));

@@ -16,26 +16,10 @@ Eigen::MatrixXd axisMotion(const Joint& joint) {
   return moved.colPivHouseholderQr().solve(adjointOfTwist(joint.xi));
 }
 
-/// An observation as the undisturbed cell would have to see it: points moved as the target is bent, pixels moved back.
-Observation shaped(const Observation& observation, const Disturbance& disturbance) {
-  Observation copy = observation;
-  for (std::size_t j = 0; j < copy.corners.size(); ++j) {
-    copy.corners[j].p_target += disturbance.points[j];
-    copy.corners[j].px -= disturbance.pixels[j];
-  }
-  return copy;
-}
-
 std::vector<TargetPoint> pointsOf(const Observation& observation) {
   std::vector<TargetPoint> points;
   for (const CornerMeasurement& corner : observation.corners) points.push_back({corner.id, corner.p_target});
   return points;
-}
-
-Cell withCamera(const Cell& cell, const Disturbance& disturbance) {
-  Cell disturbed = cell;
-  if (cell.camera) disturbed.camera = disturbedCamera(cell, disturbance);
-  return disturbed;
 }
 
 /// Groups of which only what is asked for remains; all where nothing is asked.
@@ -45,6 +29,17 @@ const std::vector<std::vector<std::size_t>>& chosen(const MeasuredCell& measured
 
 std::shared_ptr<const CaptureContext> contextOf(const MeasuredCell& measured, const ModelState& state) {
   return makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples);
+}
+
+/// Points moved as the target is bent, pixels moved back, seen by the camera as it is disturbed.
+PlainSight plainSight(const Cell& cell, const Observation& observation, const Disturbance& disturbance) {
+  PlainSight plain{cell, observation};
+  if (cell.camera) plain.cell.camera = disturbedCamera(cell, disturbance);
+  for (std::size_t j = 0; j < observation.corners.size(); ++j) {
+    plain.observation.corners[j].p_target += disturbance.points[j];
+    plain.observation.corners[j].px -= disturbance.pixels[j];
+  }
+  return plain;
 }
 
 }  // namespace
@@ -95,6 +90,10 @@ Eigen::VectorXd ObservationRows::along(const Disturbance& direction) const {
   return motion;
 }
 
+PlainSight plainSight(const MeasuredCell& measured, const ModelState& state, const ObservationRows& part) {
+  return plainSight(state.cell.cell, measured.observations[part.context.number], disturbanceOf(state.effects, part.context));
+}
+
 CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups) {
   const auto capture = contextOf(measured, state);
   const ParameterLayout layout(state.cell.cell, measured.free);
@@ -112,8 +111,8 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
       const Disturbance disturbance = disturbanceOf(state.effects, part.context);
       part.ports = posePortJacobian(state.cell.cell, sample, disturbance);
       part.R_camera_target = part.ports.T_camera_target.linear();
-      const Cell disturbed = withCamera(state.cell.cell, disturbance);
-      evaluateRows(disturbed, shaped(observation, disturbance), part.ports.T_camera_target, disturbed.camera.has_value(), part.rows);
+      const PlainSight plain = plainSight(state.cell.cell, observation, disturbance);
+      evaluateRows(plain.cell, plain.observation, part.ports.T_camera_target, plain.cell.camera.has_value(), part.rows);
       for (int unit = 0; unit < observation.unitCount(); ++unit) {
         part.unit_sigma.push_back(observation.pose ? 1.0 / observation.pose->whitening(5, 5)
                                                    : observation.corners[static_cast<std::size_t>(unit)].sigma_px);
@@ -132,25 +131,6 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
     if (layout.intrinsics >= 0) all.J.block(part.begin, layout.intrinsics, part.size, part.rows.K.cols()) = part.rows.K;
   }
   return all;
-}
-
-Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state,
-                                 const std::vector<std::vector<std::size_t>>& groups) {
-  const auto capture = contextOf(measured, state);
-  std::vector<double> all;
-  SampleRows rows;
-  for (const std::vector<std::size_t>& group : chosen(measured, groups)) {
-    for (const std::size_t k : group) {
-      const Observation& observation = measured.observations[k];
-      const SampleContext context = makeSampleContext(capture, measured.samples[k], k, pointsOf(observation));
-      const Disturbance disturbance = disturbanceOf(state.effects, context);
-      const Cell disturbed = withCamera(state.cell.cell, disturbance);
-      evaluateRows(disturbed, shaped(observation, disturbance), disturbedTarget(state.cell.cell, measured.samples[k], disturbance), false,
-                   rows);
-      all.insert(all.end(), rows.r.begin(), rows.r.end());
-    }
-  }
-  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
 }  // namespace poecal

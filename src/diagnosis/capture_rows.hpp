@@ -25,6 +25,7 @@ struct MeasuredCell {
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
   Eigen::MatrixXd twist_covariance;  ///< of the twist parameters beta about the nominal arm; see twistTolerance
   Eigen::VectorXd camera_sigma;      ///< stated standard deviations of the intrinsics; empty where they are held
+  int jobs = 1;                      ///< candidates weighed at a time; 0: one per core
 };
 
 /// Covariance of the twist parameters of an arm whose parts are made to tolerance: each axis is off by itself (1 sigma tilt and shift), and
@@ -59,11 +60,15 @@ struct CaptureRows {
   int size() const { return static_cast<int>(r.size()); }
 };
 
+/// What a cell whose target and camera are as they should be would have measured in place of an observation, and that cell: corners without
+/// the effects of shape and detector, the camera with those of the lens.
+struct PlainSight {
+  Cell cell;
+  Observation observation;
+};
+PlainSight plainSight(const MeasuredCell& measured, const ModelState& state, const ObservationRows& part);
+
 /// Rows of a subset of the groups (all where `groups` is empty).
 CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups);
-
-/// Residuals alone.
-Eigen::VectorXd captureResiduals(const MeasuredCell& measured, const ModelState& state,
-                                 const std::vector<std::vector<std::size_t>>& groups);
 
 }  // namespace poecal

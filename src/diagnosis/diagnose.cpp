@@ -46,6 +46,7 @@ MeasuredCell measuredCell(const Identification& identification, const std::vecto
   measured.groups = observationGroups(measured.observations, samples);
   measured.target = target;
   measured.gravity = gravity;
+  measured.jobs = options.jobs;
   measured.twist_covariance = twistTolerance(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
   return measured;
 }
@@ -225,16 +226,16 @@ void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
   for (const ObservationRows& part : selection.linear.rows.observations)
     sigmas.insert(sigmas.end(), part.unit_sigma.begin(), part.unit_sigma.end());
   const double stated = sigmas.empty() ? 1.0 : median(sigmas);
-  for (std::size_t i = 0; i < selection.linear.components.size(); ++i) {
-    const std::string& name = selection.linear.components[i].name;
-    const double sigma = std::sqrt(noise.theta(static_cast<Eigen::Index>(i)));
-    if (name == "corner" || name == "position") diagnosis.noise_sigma = stated * sigma;
-    if (name == "tag") diagnosis.tag_sigma = sigma;
-    if (name == "repeatability") diagnosis.repeatability = sigma;
-    if (name == "rotation") {
-      const PoseMeasurement& pose = *selection.measured.observations.front().pose;
-      diagnosis.rotation_sigma = sigma / pose.whitening(0, 0);
-    }
+  const auto sigma = [&selection](const std::string& name) {
+    const std::optional<double> variance = varianceOf(name, selection.linear.components, selection.linear.noise);
+    return variance ? std::optional(std::sqrt(*variance)) : std::nullopt;
+  };
+  if (const auto corner = sigma(diagnosis.pixels ? "corner" : "position")) diagnosis.noise_sigma = stated * *corner;
+  diagnosis.tag_sigma = sigma("tag").value_or(0.0);
+  diagnosis.repeatability = sigma("repeatability").value_or(0.0);
+  if (const auto rotation = sigma("rotation")) {
+    const PoseMeasurement& pose = *selection.measured.observations.front().pose;
+    diagnosis.rotation_sigma = *rotation / pose.whitening(0, 0);
   }
   const bool repeats =
       std::any_of(selection.measured.groups.begin(), selection.measured.groups.end(), [](const auto& g) { return g.size() > 1; });
@@ -406,15 +407,8 @@ Diagnosis told(const Selection& selection, const Identification& identification,
       ++next;
     }
     if (found.scatter) {
-      const auto k = selection.linear.noise.theta.size() -
-                     static_cast<Eigen::Index>(std::count_if(selection.findings.begin(), selection.findings.end(),
-                                                             [](const FoundEffect& f) { return f.scatter.has_value(); }));
-      Eigen::Index at = k;
-      for (const FoundEffect& other : selection.findings) {
-        if (other.scatter == found.scatter) break;
-        if (other.scatter) ++at;
-      }
-      finding.parameters["sigma"] = std::sqrt(selection.linear.noise.theta(at));
+      finding.parameters["sigma"] =
+          std::sqrt(*varianceOf(scatterName(*found.scatter), selection.linear.components, selection.linear.noise));
       finding.units["sigma"] = selection.measured.start.arm->joints[*found.scatter].type == JointType::kRevolute ? "rad" : "m";
     }
     fillAlternatives(found.ranking, finding);

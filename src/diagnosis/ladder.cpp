@@ -81,7 +81,8 @@ void Ladder::addErrors(const Linearised& at, const Groups& test, const std::vect
         pose.squares += r.segment<2>(2 * static_cast<Eigen::Index>(j)).squaredNorm() * part.unit_sigma[j] * part.unit_sigma[j];
         pose.points += 1.0;
       }
-      const FreePose free = refinePose(*at.state.cell.cell.camera, observation, part.ports.T_camera_target);
+      const PlainSight plain = plainSight(selection_.measured, at.state, part);
+      const FreePose free = refinePose(*plain.cell.camera, plain.observation, part.ports.T_camera_target);
       const Registration& registration = at.state.cell.cell.registration;
       const Vector6d e = poseDifference(registration.baseFlange(free.T_camera_target), registration.baseFlange(part.ports.T_camera_target));
       pose.position += e.tail<3>().squaredNorm();

@@ -128,6 +128,20 @@ NoiseEstimate evaluated(const Whitening& whitening, const Normal& normal, const 
   return estimate;
 }
 
+/// What is believed of a variance before: joints come back to some 1e-5 rad, and farther is believed less and less.
+struct VariancePrior {
+  double penalty = 0.0;                    ///< units of log-likelihood
+  double gradient = 0.0, curvature = 0.0;  ///< of the penalty by log theta
+};
+
+VariancePrior variancePrior(const NoiseComponent& component, double theta) {
+  constexpr double kUsual = 5e-5;   // [rad], as makers state it
+  constexpr double kSpread = 0.35;  // of its logarithm: twice as much is two standard deviations away
+  const double above = 0.5 * std::log(theta / (kUsual * kUsual)) / kSpread;
+  if (component.name != "repeatability" || !(above > 0.0)) return {};
+  return {0.5 * above * above, 0.5 * above / kSpread, 0.25 / (kSpread * kSpread)};
+}
+
 /// Gradient and average information of the log-likelihood by log theta.
 struct Slope {
   Eigen::VectorXd gradient;
@@ -165,6 +179,11 @@ Slope slopeOf(const Whitening& whitening, const Normal& normal, const Eigen::Vec
   const Eigen::MatrixXd cross = normal.X.transpose() * moved;
   slope.information = 0.5 * (moved.transpose() * moved - cross.transpose() * inverse.solve(cross));
   slope.information = theta.asDiagonal() * slope.information * theta.asDiagonal();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const VariancePrior prior = variancePrior(components[static_cast<std::size_t>(i)], theta(i));
+    slope.gradient(i) -= prior.gradient;
+    slope.information(i, i) += prior.curvature;
+  }
   return slope;
 }
 
@@ -192,6 +211,9 @@ struct NoisePoint {
     estimate = evaluated(whitening, normal, theta, prior, inverse);
     estimate.tolerance = tolerance;
     estimate.log_likelihood -= tolerancePenalty(tolerance);
+    for (std::size_t i = 0; i < components.size(); ++i) {
+      estimate.log_likelihood -= variancePrior(components[i], theta(static_cast<Eigen::Index>(i))).penalty;
+    }
   }
   Whitening whitening;
   Normal normal;
@@ -228,8 +250,10 @@ std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const 
   return components;
 }
 
+std::string scatterName(std::size_t k) { return fmt::format("scatter joint:{}", k + 1); }
+
 NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start) {
-  return component(rows, fmt::format("scatter joint:{}", k + 1), start, true, [k](const ObservationRows& part) {
+  return component(rows, scatterName(k), start, true, [k](const ObservationRows& part) {
     return Eigen::MatrixXd(part.rows.H * part.ports.joints.col(static_cast<Eigen::Index>(k)));
   });
 }
@@ -305,6 +329,12 @@ Eigen::MatrixXd Whitening::apply(const Eigen::MatrixXd& M) const {
   Eigen::MatrixXd white(M.rows(), M.cols());
   for (std::size_t g = 0; g < L_.size(); ++g) white.middleRows(begin_[g], size(g)) = applyTo(g, M.middleRows(begin_[g], size(g)));
   return white;
+}
+
+std::optional<double> varianceOf(const std::string& name, const std::vector<NoiseComponent>& components, const NoiseEstimate& noise) {
+  const auto found = std::find_if(components.begin(), components.end(), [&name](const NoiseComponent& each) { return each.name == name; });
+  if (found == components.end()) return {};
+  return noise.theta(found - components.begin());
 }
 
 NoiseEstimate likelihoodAt(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta,

@@ -6,6 +6,7 @@
 // alarms come from.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct NoiseComponent {
 /// The components of a capture: corners (px per axis, times the stated sigma), what a whole tag shares (px), and the joints' repeatability
 /// (rad; m for sliding joints a tenth of it), one for all joints; for poses rotation and position instead of the first two.
 std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const CaptureRows& rows);
+
+/// What the component of joint k (from 0) that moves at random by itself is called.
+std::string scatterName(std::size_t k);
 
 /// Joint k (from 0) moving at random from pose to pose, by itself. @param start  variance [rad^2].
 NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start);
@@ -75,6 +79,9 @@ struct NoiseEstimate {
   Eigen::VectorXd b;  ///< of the columns
   Eigen::MatrixXd covariance;
 };
+
+/// Variance of the component of a name; nothing where it was not estimated.
+std::optional<double> varianceOf(const std::string& name, const std::vector<NoiseComponent>& components, const NoiseEstimate& noise);
 
 /// Marginal log-likelihood at given variances, up to what all models of the same rows share.
 NoiseEstimate likelihoodAt(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta,

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "diagnosis/selection.hpp"
@@ -14,20 +15,54 @@ NoiseEstimate solveAt(const MeasuredCell& measured, const Linearised& linear, co
   return estimate;
 }
 
-/// Moves the state and the accepted factors by a solution. @return the largest move in standard deviations.
-double take(const MeasuredCell& measured, const NoiseEstimate& solution, ModelState& state, std::vector<Accepted>& accepted) {
-  const ParameterLayout layout(state.cell.cell, measured.free);
-  state.cell = state.cell.moved(layout, solution.b.head(layout.total));
+/// What the fit makes smallest, where the linearisation stands: squared rows in units of their noise, and the priors.
+double objective(const MeasuredCell& measured, const Linearised& linear, const NoiseEstimate& noise) {
+  const ColumnPrior prior = basePrior(measured, linear.state, noise.tolerance).joinedWith(linear.column_prior);
+  const Whitening whitening(linear.rows, linear.components, noise.theta);
+  return whitening.apply(linear.rows.r).squaredNorm() + prior.offset.dot(prior.precision * prior.offset);
+}
+
+/// Corners that the camera's model has no pixel for: they ask for nothing any more.
+std::size_t lostCorners(const CaptureRows& rows) {
+  std::size_t lost = 0;
+  for (const ObservationRows& part : rows.observations) {
+    lost += static_cast<std::size_t>(std::count(part.rows.valid.begin(), part.rows.valid.end(), false));
+  }
+  return lost;
+}
+
+/// Whether a step led to a place that serves the rows worse, by the noise that it was made with.
+bool isWorse(const MeasuredCell& measured, const Linearised& here, const Linearised& before) {
+  return lostCorners(here.rows) > lostCorners(before.rows) ||
+         objective(measured, here, before.noise) > objective(measured, before, before.noise);
+}
+
+/// Where a fit stands.
+struct Place {
+  ModelState state;
+  std::vector<Accepted> accepted;
+};
+
+/// A state moved by a share of a solution, with the factors of what was accepted.
+Place moved(const MeasuredCell& measured, const Linearised& from, double share) {
+  Place place{from.state, from.accepted};
+  const ParameterLayout layout(place.state.cell.cell, measured.free);
+  place.state.cell = place.state.cell.moved(layout, share * from.noise.b.head(layout.total));
   Eigen::Index begin = layout.total;
-  for (Accepted& one : accepted) {
+  for (Accepted& one : place.accepted) {
     const Eigen::Index count = one.factors.size();
-    one.factors += solution.b.segment(begin, count);
+    one.factors += share * from.noise.b.segment(begin, count);
     begin += count;
     if (!one.candidate.known()) continue;
-    Eigen::VectorXd& parameters = state.effects[one.effect].parameters;
+    Eigen::VectorXd& parameters = place.state.effects[one.effect].parameters;
     for (std::size_t i = 0; i < one.candidate.linear.size(); ++i)
       parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
   }
+  return place;
+}
+
+/// The largest move of a solution in standard deviations.
+double largestMove(const NoiseEstimate& solution) {
   return solution.b.cwiseAbs().cwiseQuotient(solution.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt()).maxCoeff();
 }
 
@@ -44,25 +79,38 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
       parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
     state.effects.push_back({*one.candidate.effect, parameters});
   }
-  constexpr int kMaxSteps = 8;
-  constexpr double kSettled = 0.01;  // standard deviations
-  constexpr int kNoiseSteps = 2;     // the second sees residuals that no longer change
-  NoiseEstimate at = noise;
-  for (int step = 0;; ++step) {
-    Linearised linear = linearise(measured, state, accepted, scatter, groups);
-    if (new_noise && step < kNoiseSteps) {
-      setNoise(measured, &at, linear);
-    } else {
-      linear.noise = solveAt(measured, linear, at);
-    }
-    at = linear.noise;
-    const double moved = take(measured, linear.noise, state, accepted);
-    if (moved < kSettled || step == kMaxSteps) {
+  constexpr int kMaxSteps = 12;
+  constexpr double kSettled = 0.01;   // standard deviations
+  constexpr int kNoiseSteps = 2;      // the second sees residuals that no longer change
+  constexpr double kShortest = 0.01;  // share of a step below which there is no way down
+  Linearised before = linearise(measured, state, accepted, scatter, groups);
+  if (new_noise) {
+    setNoise(measured, &noise, before);
+  } else {
+    before.noise = solveAt(measured, before, noise);
+  }
+  double share = 1.0;
+  int noises = 1;
+  for (int step = 1;; ++step) {
+    Place place = moved(measured, before, share);
+    const bool last = largestMove(before.noise) < kSettled || share < kShortest || step > kMaxSteps;
+    if (last) {
       // The rows stand where they were linearised; what little moved since is in the solution.
-      linear.state = state;
-      linear.accepted = accepted;
-      return linear;
+      if (share >= kShortest) before.state = std::move(place.state), before.accepted = std::move(place.accepted);
+      return before;
     }
+    Linearised here = linearise(measured, place.state, place.accepted, scatter, groups);
+    if (isWorse(measured, here, before)) {
+      share *= 0.5;
+      continue;
+    }
+    if (new_noise && ++noises <= kNoiseSteps) {
+      setNoise(measured, &before.noise, here);
+    } else {
+      here.noise = solveAt(measured, here, before.noise);
+    }
+    before = std::move(here);
+    share = 1.0;
   }
 }
 

@@ -114,14 +114,6 @@ class Ranker {
     }
   }
 
-  /// The variance that all joints have in common; 0 where it was not estimated.
-  static double repeatability(const Linearised& linear, const NoiseEstimate& noise) {
-    for (std::size_t i = 0; i < linear.components.size(); ++i) {
-      if (linear.components[i].name == "repeatability") return noise.theta(static_cast<Eigen::Index>(i));
-    }
-    return 0.0;
-  }
-
   void addScatter(const Linearised& linear, const std::vector<std::string>& taken, Ranking& ranking) const {
     if (!measured_.start.arm) return;
     const WhiteResidual white = whiteResidual(linear);
@@ -132,12 +124,13 @@ class Ranker {
       constexpr double kWorthTrying = 0.0;
       // Joints are not all alike, and good ones come back to some 1e-5 rad: one is beyond that where it moves twice as far as they do
       // together, and farther than any catalogue allows.
-      constexpr double kBeyond = 3.0, kUsual = 4e-5;
+      constexpr double kBeyond = 3.0, kUsual = 2e-5;
       if (scatterScore(white, jointScatter(linear.rows, k, 1.0)) < kWorthTrying) continue;
       answer.exact = scatterEvidence(linear, measured_, k);
       const bool slides = measured_.start.arm->joints[k].type == JointType::kPrismatic;
       if (!(answer.exact->scale > (slides ? kMetresPerRadian : 1.0) * kUsual)) continue;
-      if (!(answer.exact->scale * answer.exact->scale > kBeyond * repeatability(linear, answer.exact->noise))) continue;
+      const double common = varianceOf("repeatability", linear.components, answer.exact->noise).value_or(0.0);
+      if (!(answer.exact->scale * answer.exact->scale > kBeyond * common)) continue;
       answer.log_bayes = answer.exact->log_bayes;
       answer.log_weight = answer.log_bayes + std::log(kScatterShare / static_cast<double>(joints));
       answer.chi_square = 2.0 * std::max(0.0, answer.log_bayes);

@@ -21,6 +21,12 @@ struct Lens {
     const double v = y * stretch + p2 * 2.0 * x * y + p1 * (r2 + 2.0 * y * y);
     return {cx + fx * u, cy + fy * v};
   }
+  /// Whether rays this far out still go outwards in the picture: a polynomial folds beyond, and no lens does.
+  bool reaches(const Vector& p) const {
+    constexpr double kWidest = 1.0;  // tangent; the picture's corners are at 0.75
+    const double r2 = (p.x() * p.x() + p.y() * p.y()) / (p.z() * p.z());
+    return p.z() > 0.0 && r2 < kWidest && 1.0 + r2 * (3.0 * k1 + r2 * 5.0 * k2) > 0.1;
+  }
   bool shows(const Eigen::Vector2d& px, double margin) const {
     return px.x() > margin && px.y() > margin && px.x() < width - 1.0 - margin && px.y() < height - 1.0 - margin;
   }

@@ -74,6 +74,7 @@ bool shows(const Cell& cell, const Eigen::VectorXd& q) {
   if (KDL::dot(T_camera_target.M.UnitZ(), center) < kFacing * center.Norm()) return false;
   std::vector<Eigen::Vector2d> pixels;
   for (const Vector& point : state.points) {
+    if (!cell.lens.reaches(T_camera_target * point)) return false;
     pixels.push_back(cell.lens.image(T_camera_target * point));
     if (!cell.lens.shows(pixels.back(), kMargin)) return false;
   }

@@ -41,6 +41,7 @@ std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
     // The diagnosis holds out poses itself; a fit to all is where it starts. A lens of unstated deviations is taken as stated: that it is
     // wrong is for the diagnosis to say.
     options->identify.hold_out_every = 0;
+    options->identify.jobs = common.jobs;
     options->identify.camera = CameraChoice::kAuto;
     options->identify.allow_still_joints = true;
     Diagnosing result;
