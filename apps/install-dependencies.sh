@@ -11,6 +11,9 @@ packages=(
   # find_package in apps/ and tests/
   libcli11-dev libgmock-dev libgtest-dev liborocos-kdl-dev
 )
+if [[ ${POECAL_BUILD_BENCHMARKS:-OFF} == ON ]]; then
+  packages+=(libbenchmark-dev)
+fi
 
 missing=()
 for package in "${packages[@]}"; do

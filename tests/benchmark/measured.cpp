@@ -26,7 +26,7 @@ bool Collector::ReportContext(const Context&) { return true; }
 void Collector::ReportRuns(const std::vector<Run>& runs) {
   for (const Run& run : runs) {
     if (run.run_type != Run::RT_Iteration) continue;
-    const double seconds = run.real_accumulated_time / static_cast<double>(run.iterations);
+    const double seconds = run.cpu_accumulated_time / static_cast<double>(run.iterations);
     const std::string name = run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args);
     const auto [entry, is_new] = measured_.try_emplace(name, Measured{seconds, {}});
     if (!is_new) entry->second.seconds = std::min(entry->second.seconds, seconds);

@@ -9,7 +9,7 @@
 namespace poecal::benchmarks {
 
 struct Measured {
-  double seconds = 0.0;                    ///< least of the repetitions, wall clock of one iteration
+  double seconds = 0.0;                    ///< processor time of one iteration, least of the repetitions
   std::map<std::string, double> counters;  ///< of the last repetition
 };
 
