@@ -1,18 +1,19 @@
 #!/usr/bin/env bash
 # apps/build.sh PRESET [TARGET...]: installs what is missing, configures a preset of CMakePresets.json into build/PRESET and builds it,
-# or only the targets.
+# or only the targets. POECAL_BUILD_BENCHMARKS=ON in the environment: with tests/benchmark.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 preset=$1
 shift
-apps/install-dependencies.sh
+benchmarks=${POECAL_BUILD_BENCHMARKS:-OFF}
+POECAL_BUILD_BENCHMARKS=$benchmarks apps/install-dependencies.sh
 
 launcher=()
 if command -v ccache >/dev/null; then
   launcher=(-D CMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
-cmake --preset "$preset" "${launcher[@]}"
+cmake --preset "$preset" -D POECAL_BUILD_BENCHMARKS="$benchmarks" "${launcher[@]}"
 targets=()
 (($#)) && targets=(--target "$@")
 cmake --build --preset "$preset" "${targets[@]}"

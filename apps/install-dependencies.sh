@@ -20,6 +20,9 @@ case ${1:-} in
     exit 2
     ;;
 esac
+if [[ ${POECAL_BUILD_BENCHMARKS:-OFF} == ON ]]; then
+  packages+=(libbenchmark-dev)
+fi
 
 missing=()
 for package in "${packages[@]}"; do

@@ -13,6 +13,7 @@ namespace {
 
 DiagnoseOptions diagnoseOptions(const IdentifyOptions& options) {
   DiagnoseOptions diagnose;
+  diagnose.jobs = options.jobs;
   // Without tolerances geometry may be anything: wide ones say so and keep the search well-posed.
   constexpr double kAnywhere = 1.0;
   diagnose.tolerance_position = options.tolerance_position > 0.0 ? options.tolerance_position : kAnywhere;

@@ -55,7 +55,7 @@ int runProgram(int argc, char** argv) {
   app.require_subcommand(0, 1);  // none is said below, after a word that is no command
   app.fallthrough();
   Common common;
-  app.add_option("--jobs", common.jobs, "Pictures worked on at a time (0: one per core)")->check(CLI::NonNegativeNumber);
+  app.add_option("--jobs", common.jobs, "Pictures and fits worked on at a time (0: one per core)")->check(CLI::NonNegativeNumber);
   app.add_flag("--quiet", common.quiet, "No summary and no progress");
   app.add_flag("--json", common.json, "The summary as JSON on stdout");
   std::vector<std::pair<CLI::App*, std::function<int()>>> commands;

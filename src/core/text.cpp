@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -25,11 +25,14 @@ std::string readTextFile(const std::filesystem::path& file) {
   std::error_code status;
   if (!std::filesystem::is_regular_file(file, status)) throw FileError(file, 0, "no such file");
   std::ifstream stream(file, std::ios::binary);
-  std::ostringstream content;
-  // An empty file leaves nothing to insert, which the stream takes for a failure.
-  if (stream && stream.peek() != std::ifstream::traits_type::eof()) content << stream.rdbuf();
-  if (stream.bad() || !stream.is_open() || !content) throw FileError(file, 0, "cannot be read");
-  return content.str();
+  // All at once: a picture would otherwise grow through a dozen buffers, each of fresh pages.
+  const std::uintmax_t size = std::filesystem::file_size(file, status);
+  std::string content(status ? 0 : static_cast<std::size_t>(size), '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
+  content.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream.is_open() && !stream.bad()) content.append(std::istreambuf_iterator<char>(stream), {});  // of a file that has no size, or grew
+  if (stream.bad() || !stream.is_open()) throw FileError(file, 0, "cannot be read");
+  return content;
 }
 
 void writeTextFile(const std::filesystem::path& file, const std::string& content) {

@@ -1,6 +1,5 @@
 #include "detection/lens_patch.hpp"
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,23 +9,15 @@
 
 namespace poecal {
 
-LensPatch::Terms LensPatch::terms(const Eigen::Vector2d& x) {
-  constexpr int kDegree = 5;
-  std::array<double, kDegree + 1> a{1.0}, b{1.0};
-  for (std::size_t n = 1; n <= kDegree; ++n) {
-    a[n] = a[n - 1] * x.x();
-    b[n] = b[n - 1] * x.y();
-  }
-  Terms terms;
+Eigen::Matrix<double, LensPatch::kTerms, 1> LensPatch::terms(const Eigen::Vector2d& x) {
+  Eigen::Matrix<double, kTerms, 1> values;
   Eigen::Index term = 0;
-  for (std::size_t i = 0; i <= kDegree; ++i) {
-    for (std::size_t j = 0; i + j <= kDegree; ++j, ++term) {
-      terms.values(term) = a[i] * b[j];
-      terms.slopes(term, 0) = i == 0 ? 0.0 : static_cast<double>(i) * a[i - 1] * b[j];
-      terms.slopes(term, 1) = j == 0 ? 0.0 : static_cast<double>(j) * a[i] * b[j - 1];
-    }
+  double power_x = 1.0;
+  for (int i = 0; i <= kDegree; ++i, power_x *= x.x()) {
+    double power = power_x;
+    for (int j = 0; i + j <= kDegree; ++j, power *= x.y()) values(term++) = power;
   }
-  return terms;
+  return values;
 }
 
 std::optional<LensPatch> LensPatch::of(const Camera& camera, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
@@ -47,7 +38,7 @@ std::optional<LensPatch> LensPatch::of(const Camera& camera, const Eigen::Vector
     const std::optional<Eigen::Vector3d> ray = unproject(camera, px);
     if (!ray || ray->z() < kSmallestZ) return std::nullopt;
     const Eigen::Vector2d m = ray->hnormalized();
-    A.row(k) = terms(unit).values.transpose();
+    A.row(k) = terms(unit).transpose();
     displacements.row(k) = (Eigen::Vector2d(camera.fx * m.x() + camera.cx, camera.fy * m.y() + camera.cy) - px).transpose();
   }
   patch.coefficients_ = A.householderQr().solve(displacements).transpose();
@@ -55,16 +46,49 @@ std::optional<LensPatch> LensPatch::of(const Camera& camera, const Eigen::Vector
   return patch;
 }
 
-LensPatch::Straight LensPatch::straighten(const Eigen::Vector2d& px) const {
-  if (!camera_) return {px, Eigen::Matrix2d::Identity()};
-  const Terms at = terms((px - centre_) / scale_);
-  return {px + coefficients_ * at.values, Eigen::Matrix2d::Identity() + coefficients_ * at.slopes / scale_};
+LensPatch::Row LensPatch::row(double y) const {
+  Row row;
+  row.patch_ = this;
+  row.y_ = y;
+  const double b = (y - centre_.y()) / scale_;
+  Eigen::Index first = 0;
+  for (int i = 0; i <= kDegree; first += kDegree - i + 1, ++i) {
+    Eigen::Vector2d value = Eigen::Vector2d::Zero(), slope = Eigen::Vector2d::Zero();
+    for (int j = kDegree - i; j >= 0; --j) {
+      slope = slope * b + value;
+      value = value * b + coefficients_.col(first + j);
+    }
+    row.values_.col(i) = value;
+    row.slopes_.col(i) = slope;
+  }
+  return row;
+}
+
+LensPatch::Straight LensPatch::Row::straighten(double x) const {
+  const Eigen::Vector2d px(x, y_);
+  if (!patch_->camera_) return {px, Eigen::Matrix2d::Identity()};
+  const double a = (x - patch_->centre_.x()) / patch_->scale_;
+  Eigen::Vector2d value = Eigen::Vector2d::Zero(), by_x = Eigen::Vector2d::Zero(), by_y = Eigen::Vector2d::Zero();
+  for (Eigen::Index i = kDegree; i >= 0; --i) {
+    by_x = by_x * a + value;
+    value = value * a + values_.col(i);
+    by_y = by_y * a + slopes_.col(i);
+  }
+  Straight straight;
+  straight.px = px + value;
+  straight.J_straight_px.col(0) += by_x / patch_->scale_;
+  straight.J_straight_px.col(1) += by_y / patch_->scale_;
+  return straight;
 }
 
 LensPatch::Straight LensPatch::straightenExactly(const Eigen::Vector2d& px) const {
   Straight straight = straighten(px);
-  if (camera_) straight.px += straight.J_straight_px * (px - bend(straight.px));
+  straight.px = exactly(px, straight);
   return straight;
+}
+
+Eigen::Vector2d LensPatch::exactly(const Eigen::Vector2d& px, const Straight& straight) const {
+  return camera_ ? straight.px + straight.J_straight_px * (px - bend(straight.px)) : straight.px;
 }
 
 Eigen::Vector2d LensPatch::bend(const Eigen::Vector2d& px_straight) const {

@@ -25,26 +25,38 @@ class LensPatch {
     Eigen::Matrix2d J_straight_px = Eigen::Matrix2d::Identity();
   };
   /// By the polynomial alone: within 0.2 px, mostly 1e-3.
-  Straight straighten(const Eigen::Vector2d& px) const;
+  Straight straighten(const Eigen::Vector2d& px) const { return row(px.y()).straighten(px.x()); }
+
+  /// straighten() along one row of pixels, where d is a polynomial in x alone: a quarter of the time.
+  class Row {
+   public:
+    Straight straighten(double x) const;
+
+   private:
+    friend class LensPatch;
+    const LensPatch* patch_ = nullptr;
+    double y_ = 0.0;
+    /// Of d and of its derivative by y, column i for the power i of x.
+    Eigen::Matrix<double, 2, 6> values_, slopes_;
+  };
+  Row row(double y) const;
   /// Within 3e-3 px of the camera's inverse at the rim of a lens that the polynomial hardly follows, else far better.
   Straight straightenExactly(const Eigen::Vector2d& px) const;
+  /// The same pixel from what straighten() gave for it.
+  Eigen::Vector2d exactly(const Eigen::Vector2d& px, const Straight& straight) const;
   /// The pixel whose straight one is `px_straight`, as the camera projects; not a number where it does not.
   Eigen::Vector2d bend(const Eigen::Vector2d& px_straight) const;
 
  private:
-  static constexpr int kTerms = 21;
-  /// Products of powers of two numbers up to the fifth degree, and their derivatives by each.
-  struct Terms {
-    Eigen::Matrix<double, kTerms, 1> values;
-    Eigen::Matrix<double, kTerms, 2> slopes;
-  };
+  static constexpr int kDegree = 5, kTerms = 21;
 
   Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();
   double scale_ = 1.0;  ///< [px]
   std::optional<Camera> camera_;
+  /// Of x^i y^j, i + j <= kDegree, j running faster.
   Eigen::Matrix<double, 2, kTerms> coefficients_ = Eigen::Matrix<double, 2, kTerms>::Zero();
 
-  static Terms terms(const Eigen::Vector2d& x);
+  static Eigen::Matrix<double, kTerms, 1> terms(const Eigen::Vector2d& x);
 };
 
 }  // namespace poecal

@@ -194,14 +194,15 @@ class Fit {
     pixels_.reserve(kMost / static_cast<std::size_t>(stride * stride));
     for (int y = top; y <= bottom; y += stride) {
       const std::uint8_t* row = grey_.ptr<std::uint8_t>(y);
+      const LensPatch::Row lens_row = lens_.row(y);
       for (int x = left; x <= right; x += stride) {
         const Eigen::Vector2d px(x, y);
-        const LensPatch::Straight straight = lens_.straighten(px);
+        const LensPatch::Straight straight = lens_row.straighten(x);
         steepest.uv = map.cellOf(straight.px);
         if (!(steepest.uv.minCoeff() >= 0.0 && steepest.uv.maxCoeff() <= pattern_.width())) continue;
         // Most pixels go here, before their own view is worked out.
         if (surroundings(pattern_, steepest, edge_reach, unknown_reach) == Surroundings::kFlat) continue;
-        const Eigen::Vector2d px_straight = lens_.straightenExactly(px).px;
+        const Eigen::Vector2d px_straight = lens_.exactly(px, straight);
         const Eigen::Matrix2d J_uv_straight = map.cellsPerPixel(steepest.uv, px_straight);
         const TagView view(steepest.uv, J_uv_straight * straight.J_straight_px);
         if (surroundings(pattern_, view, edge_reach, unknown_reach) != Surroundings::kEdges) continue;

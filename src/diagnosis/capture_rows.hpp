@@ -25,6 +25,7 @@ struct MeasuredCell {
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
   Eigen::MatrixXd twist_covariance;  ///< of the twist parameters beta about the nominal arm; see twistTolerance
   Eigen::VectorXd camera_sigma;      ///< stated standard deviations of the intrinsics; empty where they are held
+  int jobs = 1;                      ///< candidates weighed at a time; 0: one per core
 };
 
 /// Covariance of the twist parameters of an arm whose parts are made to tolerance: each axis is off by itself (1 sigma tilt and shift), and

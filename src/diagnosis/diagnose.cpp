@@ -46,6 +46,7 @@ MeasuredCell measuredCell(const Identification& identification, const std::vecto
   measured.groups = observationGroups(measured.observations, samples);
   measured.target = target;
   measured.gravity = gravity;
+  measured.jobs = options.jobs;
   measured.twist_covariance = twistTolerance(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
   return measured;
 }

@@ -6,6 +6,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "poecal/core/parallel.hpp"
+
 namespace poecal {
 namespace {
 
@@ -83,7 +85,8 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
                     .columns = {},
                     .column_prior = {},
                     .components = {},
-                    .noise = {}};
+                    .noise = {},
+                    .jobs = measured.jobs};
   Eigen::Index width = 0;
   for (const Accepted& one : accepted) width += one.candidate.typical.size();
   linear.columns.resize(linear.rows.size(), width);
@@ -114,14 +117,14 @@ std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candida
   const Eigen::VectorXd r = whitening.apply(linear.rows.r);
   const Eigen::VectorXd residual = r - white * linear.noise.b;
   // The covariance of the base columns' factors is the inverse of their information with the priors.
-  std::vector<Evidence> all;
-  all.reserve(candidates.size());
-  for (const Candidate& candidate : candidates) {
+  std::vector<Evidence> all(candidates.size());
+  parallelFor(candidates.size(), linear.jobs, [&](std::size_t k) {
+    const Candidate& candidate = candidates[k];
     const Eigen::MatrixXd columns = whitening.apply(columnsOf(candidate, linear.rows));
     const Eigen::MatrixXd cross = white.transpose() * columns;
     const Eigen::MatrixXd S = columns.transpose() * columns - cross.transpose() * (linear.noise.covariance * cross);
-    all.push_back(evidenceOf(S, columns.transpose() * residual, candidate.typical));
-  }
+    all[k] = evidenceOf(S, columns.transpose() * residual, candidate.typical);
+  });
   return all;
 }
 

@@ -25,6 +25,7 @@ struct Linearised {
   ColumnPrior column_prior;
   std::vector<NoiseComponent> components;
   NoiseEstimate noise;  ///< with all of this
+  int jobs = 1;         ///< as MeasuredCell's
 
   /// Columns of the base model, then those of what was accepted.
   Eigen::MatrixXd allColumns() const;

@@ -9,6 +9,7 @@
 
 #include "identification/fit.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/core/parallel.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/registration/target_pose.hpp"
 
@@ -90,6 +91,7 @@ class Identifier {
     if (!corners_ && !options_.sigmas_stated && !observations_.front().pose->position_only) estimatePoseSigmas();
     result_.leave_one_out = options_.leave_one_out || (options_.hold_out_every > 0 && groups_.size() <= kFewPoses);
     folds_ = makeFolds(groups_, options_, result_.leave_one_out);
+    registerFolds();
     Judged judged = chooseCamera();
     report(std::move(judged));
     return std::move(result_);
@@ -168,11 +170,22 @@ class Identifier {
     return adjust(start, some, options).cell;
   }
 
+  /// The fold registrations, which do not hang on the camera's choice.
+  void registerFolds() {
+    registered_of_fold_.assign(folds_.size(), registered_);
+    parallelFor(folds_.size(), options_.jobs, [this](std::size_t k) { registered_of_fold_[k] = registerFrom(registered_, folds_[k].train); });
+  }
+
   Judged judge(bool camera_free) const {
     std::vector<std::size_t> all(observations_.size());
     std::iota(all.begin(), all.end(), 0);
+    // One of all poses, then one of each fold.
+    std::vector<MethodFit> fits(1 + folds_.size());
+    parallelFor(fits.size(), options_.jobs, [&](std::size_t k) {
+      fits[k] = fitMethod(registered_, observations_, flange_, k == 0 ? all : folds_[k - 1].train, options_, camera_free);
+    });
     Judged judged;
-    judged.fit = fitMethod(registered_, observations_, flange_, all, options_, camera_free);
+    judged.fit = std::move(fits.front());
     refitted_poses_.clear();
     std::vector<bool> suspect(observations_.size(), false);
     for (std::size_t k = 0; k < observations_.size(); ++k) suspect[k] = leftOut(judged.fit, k);
@@ -184,12 +197,10 @@ class Identifier {
         if (!suspect[k]) errors.add(cell, observations_[k], freePose(judged.fit, k));
       }
     };
-    for (const Fold& fold : folds_) {
-      const Cell registered = registerFrom(registered_, fold.train);
-      const MethodFit fit = fitMethod(registered_, observations_, flange_, fold.train, options_, camera_free);
-      const Cell* cells[3] = {&nominal, &registered, &fit.cell};
-      for (int stage = 0; stage < 3; ++stage) collect(*cells[stage], fold.test, test[stage]);
-      for (const std::size_t k : fold.test) {
+    for (std::size_t fold = 0; fold < folds_.size(); ++fold) {
+      const Cell* cells[3] = {&nominal, &registered_of_fold_[fold], &fits[fold + 1].cell};
+      for (int stage = 0; stage < 3; ++stage) collect(*cells[stage], folds_[fold].test, test[stage]);
+      for (const std::size_t k : folds_[fold].test) {
         if (!suspect[k]) judged.held_out.push_back(k);
       }
     }
@@ -390,6 +401,7 @@ class Identifier {
   Eigen::VectorXd registration_deviation_;
   FlangePoses flange_;
   std::vector<Fold> folds_;
+  std::vector<Cell> registered_of_fold_;
   double sigma_position_ = 0.0, sigma_rotation_ = 0.0;
   mutable std::map<std::size_t, Eigen::Isometry3d> refitted_poses_;  ///< free poses through the camera of the fit being judged
 };

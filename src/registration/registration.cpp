@@ -29,10 +29,20 @@ double cornerRms(const Cell& cell, const Observation& observation) {
   return std::isnan(rms) ? std::numeric_limits<double>::infinity() : rms;
 }
 
-double misfitOf(const Cell& cell, const Registration& registration, const Observation& observation) {
+/// Of an observation where the arm is at T_near_far; the search asks this hundreds of times of each, so it does not go through the arm again.
+double misfitOf(const Cell& cell, const Registration& registration, const Eigen::Isometry3d& T_near_far, const Observation& observation) {
+  if (!observation.pose) {
+    const Eigen::Isometry3d T_camera_target = registration.T_camera_near * T_near_far * registration.T_far_target;
+    double sum = 0.0;
+    for (const CornerMeasurement& corner : observation.corners) {
+      const std::optional<Eigen::Vector2d> px = project(*cell.camera, T_camera_target * corner.p_target);
+      if (!px) return std::numeric_limits<double>::infinity();
+      sum += (corner.px - *px).squaredNorm();
+    }
+    return std::sqrt(sum / std::max(1, observation.unitCount()));
+  }
   Cell trial = cell;
   trial.registration = registration;
-  if (!observation.pose) return cornerRms(trial, observation);
   double sum = 0.0;
   for (const UnitResidual& unit : residuals(trial, observation)) sum += unit.squared_norm;
   return std::sqrt(sum);
@@ -62,7 +72,7 @@ std::vector<HypothesisSample> cornerHypotheses(const Cell& cell, const std::vect
 double agreeingMisfit(const Cell& cell, const std::vector<Observation>& observations) {
   const std::vector<HypothesisSample> samples = cornerHypotheses(cell, observations);
   const Misfit misfit = [&](const Registration& registration, const HypothesisSample& sample) {
-    return misfitOf(cell, registration, observations[sample.observation]);
+    return misfitOf(cell, registration, sample.T_near_far, observations[sample.observation]);
   };
   const std::vector<Hypothesis> found = searchRegistrations(cell.registration.setup, samples, misfit, 100);
   return found.empty() ? std::numeric_limits<double>::infinity() : found.front().score;
@@ -87,7 +97,7 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
 Adjustment adjustBest(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples, int hypotheses,
                       bool robust, Registration* closed_form = nullptr) {
   const Misfit misfit = [&](const Registration& registration, const HypothesisSample& sample) {
-    return misfitOf(cell, registration, observations[sample.observation]);
+    return misfitOf(cell, registration, sample.T_near_far, observations[sample.observation]);
   };
   const std::vector<Hypothesis> found = searchRegistrations(cell.registration.setup, samples, misfit, hypotheses);
   if (found.empty()) throw InsufficientData("no registration follows from these poses: the target must be seen in at least three different orientations");

@@ -1,6 +1,7 @@
 // A printed plane of a target: cells of ink, paper and plate between straight lines.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,9 @@ namespace poecal {
 
 /// What a ray meets, in the order in which one lies on the other.
 enum class Tile : std::uint8_t { kNone, kPlate, kPaper, kInk };
+
+/// Areas of a piece of a face, one for each Tile, as shares of all of it.
+using TileShares = std::array<double, 4>;
 
 struct PaintedRectangle {
   Eigen::AlignedBox2d box;  ///< in the plane of the face [m]
@@ -27,6 +31,8 @@ class PrintedFace {
   Eigen::AlignedBox2d bounds() const;
   /// Index of the cell that holds a point of the plane; -1 outside the bounds. Cells are convex.
   int cellAt(double x, double y) const;
+  /// What a convex quadrilateral of the plane, its corners in order around it, is painted with: polygons cut along the cells' borders.
+  TileShares shares(const Eigen::Matrix<double, 2, 4>& corners) const;
   Tile tile(int cell) const { return cell < 0 ? Tile::kNone : cells_[static_cast<std::size_t>(cell)]; }
 
  private:

@@ -35,8 +35,7 @@ TEST(AprilGrid, CornersOfKalibrsSheetAreFoundAsSaddles) {
     T_camera_target.translation() = Eigen::Vector3d(0.0, 0.0, 0.75) - T_camera_target.linear() * Eigen::Vector3d(0.19, 0.12, 0.0);
     poses.push_back(T_camera_target);
     names.push_back("picture" + std::to_string(k) + ".png");
-    cv::imwrite((folder.path() / names.back()).string(),
-                renderTarget(camera, grid, T_camera_target, {}, 5, static_cast<std::uint64_t>(k), 4));
+    cv::imwrite((folder.path() / names.back()).string(), renderTarget(camera, grid, T_camera_target, {}, 5, static_cast<std::uint64_t>(k)));
   }
   DetectOptions options;
   options.camera = camera;

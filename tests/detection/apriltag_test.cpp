@@ -6,12 +6,12 @@
 
 #include "detection/corner_finder.hpp"
 #include "detection/picture.hpp"
-#include "detection/rendering.hpp"
 #include "detection/tag_detector.hpp"
 #include "detection/tag_family.hpp"
 #include "poecal/core/csv.hpp"
 #include "poecal/core/error.hpp"
 #include "support/random.hpp"
+#include "support/rendering.hpp"
 #include "support/temp_folder.hpp"
 #include "target/names.hpp"
 

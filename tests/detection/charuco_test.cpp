@@ -2,10 +2,10 @@
 #include <opencv2/aruco/charuco.hpp>
 
 #include "detection/corner_finder.hpp"
-#include "detection/rendering.hpp"
 #include "poecal/core/csv.hpp"
 #include "poecal/detection/detector.hpp"
 #include "support/random.hpp"
+#include "support/rendering.hpp"
 #include "support/temp_folder.hpp"
 #include "target/names.hpp"
 

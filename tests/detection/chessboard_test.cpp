@@ -2,9 +2,9 @@
 #include <opencv2/calib3d.hpp>
 
 #include "detection/corner_finder.hpp"
-#include "detection/rendering.hpp"
 #include "poecal/detection/detector.hpp"
 #include "support/random.hpp"
+#include "support/rendering.hpp"
 #include "support/temp_folder.hpp"
 
 namespace poecal {

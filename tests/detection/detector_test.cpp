@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "detection/rendering.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/detection/detect_capture.hpp"
+#include "support/rendering.hpp"
 #include "support/temp_folder.hpp"
 
 namespace poecal {

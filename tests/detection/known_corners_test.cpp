@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "detection/rendering.hpp"
+#include "support/rendering.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detector.hpp"

@@ -5,11 +5,11 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "detection/rendering.hpp"
 #include "detection/tag_detector.hpp"
 #include "detection/tag_refiner.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
+#include "support/rendering.hpp"
 
 namespace poecal {
 namespace {

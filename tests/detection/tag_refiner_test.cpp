@@ -9,12 +9,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "detection/corner_finder.hpp"
-#include "detection/exact_tag.hpp"
-#include "detection/rendering.hpp"
 #include "detection/tag_appearance.hpp"
 #include "detection/tag_detector.hpp"
+#include "support/exact_tag.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
+#include "support/rendering.hpp"
 
 namespace poecal {
 namespace {

@@ -1,9 +1,10 @@
 #include <gmock/gmock.h>
 #include <opencv2/aruco/charuco.hpp>
 
-#include "poecal/core/error.hpp"
 #include "detection/marker_bitmap.hpp"
+#include "poecal/core/error.hpp"
 #include "simulation/pattern.hpp"
+#include "support/matchers.hpp"
 
 namespace poecal {
 namespace {
@@ -27,6 +28,27 @@ TEST(PrintedFace, EdgesThatDifferByRoundingAreOne) {
   const PrintedFace face(Eigen::Isometry3d::Identity(), {{{Eigen::Vector2d(0, 0), Eigen::Vector2d(3 * 0.1, 1)}, Tile::kInk},
                                                          {{Eigen::Vector2d(0.3, 0), Eigen::Vector2d(1, 1)}, Tile::kPaper}});
   EXPECT_EQ(face.cellAt(0.9, 0.5), 1);
+}
+
+TEST(PrintedFace, SharesOfAQuadrilateralAreItsAreas) {
+  // Ink on [1, 2] x [0, 1] of paper on [0, 4] x [0, 2].
+  const PrintedFace face(Eigen::Isometry3d::Identity(), {{{Eigen::Vector2d(0, 0), Eigen::Vector2d(4, 2)}, Tile::kPaper},
+                                                         {{Eigen::Vector2d(1, 0), Eigen::Vector2d(2, 1)}, Tile::kInk}});
+  const auto shares = [&face](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
+    Eigen::Matrix<double, 2, 4> corners;
+    corners << a, b, c, d;
+    const TileShares areas = face.shares(corners);
+    return Eigen::Vector4d(areas[0], areas[1], areas[2], areas[3]);  // none, plate, paper, ink
+  };
+  constexpr double kRounding = 1e-15;
+  // A square of area 1 that overhangs on top by 0.5 and covers 0.25 x 0.5 of the ink.
+  EXPECT_THAT(shares({0.25, -0.5}, {1.25, -0.5}, {1.25, 0.5}, {0.25, 0.5}),
+              test::IsNear(Eigen::Vector4d(0.5, 0.0, 0.375, 0.125), kRounding));
+  // Turned by 45 degrees about the ink's corner (1, 1): a quarter of it.
+  EXPECT_THAT(shares({1.0, 0.5}, {1.5, 1.0}, {1.0, 1.5}, {0.5, 1.0}), test::IsNear(Eigen::Vector4d(0.0, 0.0, 0.75, 0.25), kRounding));
+  // Wholly beside it, and the whole of it, the other way round.
+  EXPECT_THAT(shares({5.0, 0.0}, {6.0, 0.0}, {6.0, 1.0}, {5.0, 1.0}), test::IsNear(Eigen::Vector4d::Unit(0).eval(), kRounding));
+  EXPECT_THAT(shares({0.0, 0.0}, {0.0, 2.0}, {4.0, 2.0}, {4.0, 0.0}), test::IsNear(Eigen::Vector4d(0.0, 0.0, 0.875, 0.125), kRounding));
 }
 
 class TagFamilies : public testing::TestWithParam<const char*> {};

@@ -42,6 +42,7 @@ std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
   return [options, &common] {
     requireArmSource("diagnose", options->source);
     if (!options->explain.empty()) effectKind(options->explain);
+    options->identify.jobs = common.jobs;
     Diagnosing result;
     if (!options->source.capture.folder.empty()) {
       const CaptureInputs inputs = loadCapture(options->source.capture, options->out, common);

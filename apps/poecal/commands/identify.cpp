@@ -35,6 +35,7 @@ std::function<int()> setUpIdentify(CLI::App& app, const Common& common) {
   app.footer(kExample);
   return [options, &common] {
     requireArmSource("identify", options->source);
+    options->identify.jobs = common.jobs;
     Identifying result;
     if (!options->source.capture.folder.empty()) {
       result = identifyCapture(loadCapture(options->source.capture, options->out, common), options->identify, options->out);

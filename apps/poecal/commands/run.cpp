@@ -39,6 +39,7 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
   addIdentifyOptions(app, options->identify);
   app.footer(kExample);
   return [options, &common] {
+    options->identify.jobs = common.jobs;
     const CaptureInputs inputs = loadCapture(options->capture, options->out, common);
     const Measuring measuring = measureCapture(inputs, options->out);
     nlohmann::json json{{"measure", measuring.json}};

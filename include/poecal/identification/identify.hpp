@@ -38,6 +38,7 @@ struct IdentifyOptions {
   bool registered = false;     ///< poses are T_base_flange already: both transforms are identity
   /// Whether corners or poses came with their deviations. Without them corners count alike, and the ratio of position to rotation of poses is estimated.
   bool sigmas_stated = false;
+  int jobs = 1;                     ///< fits worked on at a time (0: one per core); the result does not depend on it
   bool allow_still_joints = false;  ///< a joint that never moved keeps its nominal axis instead of being an error
   void validate() const;
 };

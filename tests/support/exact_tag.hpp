@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-#include "detection/rendering.hpp"
 #include "poecal/core/random.hpp"
+#include "support/rendering.hpp"
 
 namespace poecal::test {
 

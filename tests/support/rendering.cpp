@@ -1,4 +1,4 @@
-#include "detection/rendering.hpp"
+#include "support/rendering.hpp"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "detection/exact_tag.hpp"
+#include "support/exact_tag.hpp"
 
 #include <algorithm>
 #include <cmath>
