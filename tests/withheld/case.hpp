@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "withheld/leftover.hpp"
+#include "withheld/pictures.hpp"
 
 namespace withheld {
 
@@ -44,6 +45,7 @@ struct Case {
   Columns columns;
   std::vector<Shot> shots;
   std::vector<Sighting> sightings;
+  std::optional<Look> look;  ///< pictures are given instead of sightings
 
   // Sealed.
   Cell actual;
@@ -57,6 +59,14 @@ struct Case {
   std::map<std::string, std::vector<std::string>> baselines;  ///< see baselines.hpp
   std::vector<Shot> unseen;
   Eigen::VectorXd unseen_corners;
+
+  /// All that is wrong in the cell, findable or not.
+  std::vector<Flaw> flaws() const {
+    std::vector<Flaw> all;
+    for (const Hidden& one : hidden) all.push_back(one.flaw);
+    if (unfindable) all.push_back(*unfindable);
+    return all;
+  }
 };
 
 /// The sets that there are.

@@ -70,5 +70,13 @@ TEST(WithheldCheck, WhatHasNoNameIsUnknownInItsPlace) {
   EXPECT_LE(wrong, 1);
 }
 
+// S above 12 at corners that are found half as well as poecal finds them.
+TEST(WithheldCheck, AnEffectIsNamedFromPictures) {
+  for (const Verdict& verdict : verdicts("rendered", 1)) {
+    EXPECT_TRUE(verdict.fates[0].right);
+    EXPECT_EQ(verdict.extras, 0u);
+  }
+}
+
 }  // namespace
 }  // namespace withheld

@@ -110,6 +110,7 @@ std::string figuresOf(const std::vector<Scored>& cases) {
   figures.add("clean", "any finding", ofSet(cases, "clean"), anyFinding, "<= 1 %");
   figures.add("untidy", "any finding but wild rows", ofSet(cases, "untidy"), anyFinding, "<= 2 %");
   addSingles(figures, cases, "untidy-single");
+  addSingles(figures, cases, "rendered");
   const Cases pairs = ofSet(cases, "pairs");
   figures.add("pairs", "both right", pairs, allRight, ">= 92 %");
   figures.add(
@@ -242,7 +243,7 @@ std::string shrinkage(const std::vector<Scored>& cases) {
 std::string times(const std::vector<Scored>& cases) {
   std::vector<double> seconds, fits, at80;
   for (const Scored& s : cases) {
-    if (s.seconds <= 0.0) continue;
+    if (s.seconds <= 0.0 || s.truth.set == "rendered") continue;  // there most of it goes into finding corners
     seconds.push_back(s.seconds);
     if (s.identify_seconds > 0.0) fits.push_back(s.seconds / s.identify_seconds);
     if (s.truth.shots >= 70 && s.truth.shots <= 90) at80.push_back(s.seconds);
@@ -323,7 +324,7 @@ std::string tables(const std::vector<Scored>& cases) {
   const auto unanswered = static_cast<std::size_t>(std::count_if(cases.begin(), cases.end(), [](const Scored& s) { return !s.answered; }));
   std::string text = fmt::format("{} cases, {} without an answer.\n\n", cases.size(), unanswered);
   return text + figuresOf(cases) + calibration(cases) + comparison(cases) + shrinkage(cases) + times(cases) + byEffect(cases, "single") +
-         byEffect(cases, "untidy-single") + byEffect(cases, "outside") + wrongAnswers(cases);
+         byEffect(cases, "untidy-single") + byEffect(cases, "rendered") + byEffect(cases, "outside") + wrongAnswers(cases);
 }
 
 }  // namespace withheld
