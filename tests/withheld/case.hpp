@@ -36,6 +36,7 @@ struct Hidden {
 struct Case {
   std::string set;
   std::uint64_t seed = 0, number = 0;
+  std::string recording;  ///< real one that the effect was brought into; see injected.hpp
 
   // Given.
   Cell told;  ///< nominal arm (as drawn, before the errors), lens as stated
@@ -78,5 +79,7 @@ Case makeCase(const std::string& set, std::uint64_t seed, std::uint64_t number);
 
 /// Writes FOLDER/NNNN/capture, FOLDER/NNNN/unseen and FOLDER/NNNN.truth.json.
 void writeCase(const Case& made, const std::string& folder);
+/// The last of these alone.
+void writeTruth(const Case& made, const std::string& folder);
 
 }  // namespace withheld

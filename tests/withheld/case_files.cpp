@@ -153,11 +153,14 @@ void writePictures(const fs::path& folder, const Case& made) {
   for (const Shot& shot : made.shots) drawPicture(made.actual, shot, flaws, *made.look, folder / shot.image);
 }
 
+std::string numbered(const Case& made) { return fmt::format("{:04}", made.number); }
+
 nlohmann::ordered_json truth(const Case& made) {
   nlohmann::ordered_json json;
   json["set"] = made.set;
   json["seed"] = made.seed;
   json["number"] = made.number;
+  if (!made.recording.empty()) json["recording"] = made.recording;
   json["effects"] = nlohmann::ordered_json::array();
   for (const Hidden& hidden : made.hidden) {
     nlohmann::ordered_json effect = {{"effect", hidden.flaw.effect}, {"location", hidden.flaw.location}, {"driver", hidden.flaw.driver}};
@@ -190,11 +193,15 @@ nlohmann::ordered_json truth(const Case& made) {
 }  // namespace
 
 void writeCase(const Case& made, const std::string& folder) {
-  const fs::path root = fs::path(folder) / fmt::format("{:04}", made.number);
+  const fs::path root = fs::path(folder) / numbered(made);
   writeFolder(root / "capture", made, made.shots, made.look ? std::nullopt : std::optional(detectionsCsv(made)));
   if (made.look) writePictures(root / "capture", made);
   writeFolder(root / "unseen", made, made.unseen, unseenCsv(made));
-  writeText(root.string() + ".truth.json", truth(made).dump(2) + "\n");
+  writeTruth(made, folder);
+}
+
+void writeTruth(const Case& made, const std::string& folder) {
+  writeText(fs::path(folder) / (numbered(made) + ".truth.json"), truth(made).dump(2) + "\n");
 }
 
 }  // namespace withheld

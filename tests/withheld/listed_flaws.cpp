@@ -228,6 +228,37 @@ std::vector<Flaw> listedFlaws(const Cell& cell, const Columns& columns, const In
   return flaws;
 }
 
+Flaw withUnknownMasses(const Cell& cell, const Flaw& flaw) {
+  constexpr double kHeaviest = 20.0;  // [kg], or kg m
+  std::vector<Cell> units;            // arms of which one body weighs 1 kg
+  for (std::size_t body = 0; body < cell.arm.size(); ++body) {
+    for (int axis = -1; axis < 3; ++axis) {
+      Cell unit = cell;
+      for (Body& other : unit.arm.bodies) other = {};
+      unit.arm.bodies[body].mass = 1.0;
+      if (axis >= 0) unit.arm.bodies[body].com[axis] = 1.0;
+      units.push_back(unit);
+    }
+  }
+  Flaw free = flaw;
+  free.yields = false;  // the loads that it is handed are not its own
+  free.parameters.clear();
+  for (std::size_t unit = 0; unit < units.size(); ++unit) {
+    for (const Parameter& own : flaw.parameters)
+      free.parameters.push_back({fmt::format("{}_{}", own.name, unit), 0.0, own.usual, kHeaviest * own.most});
+  }
+  free.act = [units, flaw](const Flaw& f, const Shot& shot, const Loads&, State& state) {
+    for (std::size_t i = 0; i < f.parameters.size(); ++i) {
+      if (f[i] == 0.0) continue;
+      Flaw part = flaw;
+      part.scale(0.0);
+      part.parameters[i % flaw.parameters.size()].value = f[i];
+      part.act(part, shot, gravityLoads(units[i / flaw.parameters.size()], state, 0.0), state);
+    }
+  };
+  return free;
+}
+
 Flaw jointScatter(const Cell& cell, std::size_t joint, std::uint64_t seed) {
   const auto K = static_cast<Eigen::Index>(joint);
   const double usual = cell.arm.joints[joint].slides ? 6e-5 : 2e-4;
