@@ -116,16 +116,25 @@ Eigen::VectorXd columnScales(const Eigen::MatrixXd& columns) {
   return lengths.unaryExpr([&](double length) { return length > least ? 1.0 / length : 0.0; });
 }
 
+Eigen::MatrixXd spanOf(const Eigen::MatrixXd& columns, double tolerance) {
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns * columnScales(columns).asDiagonal());
+  qr.setThreshold(tolerance);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+}
+
+Solution solveSmallest(const Eigen::MatrixXd& columns, const Eigen::VectorXd& right) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(kRankTolerance);
+  decomposition.compute(columns);
+  return {decomposition.solve(right), decomposition.rank()};
+}
+
 Leftover::Leftover(const Cell& cell, const std::vector<Shot>& shots, const Noise& noise, bool lens_too)
     : Leftover(cell, shots, noiseFactors(cell, shots, noise), lens_too, observeCorners) {}
 
 Leftover::Leftover(const Cell& cell, const std::vector<Shot>& shots, std::vector<Eigen::MatrixXd> factors, bool lens_too, Observe observe)
     : cell_(cell), shots_(shots), observe_(std::move(observe)), still_(observe_(cell, shots, {})), factors_(std::move(factors)) {
-  Eigen::MatrixXd geometry = whiten(geometryColumns(cell, shots, lens_too, observe_), factors_);
-  geometry = geometry * columnScales(geometry).asDiagonal();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(geometry);
-  qr.setThreshold(kRankTolerance);
-  span_ = qr.householderQ() * Eigen::MatrixXd::Identity(geometry.rows(), qr.rank());
+  span_ = spanOf(whiten(geometryColumns(cell, shots, lens_too, observe_), factors_), kRankTolerance);
 }
 
 Eigen::MatrixXd Leftover::withoutGeometry(const Eigen::MatrixXd& observed) const {
@@ -149,9 +158,8 @@ Eigen::VectorXd Leftover::besides(const Eigen::VectorXd& effect, const Eigen::Ma
     scaled.rightCols(1) = columns.col(i) / length;
   }
   if (scaled.cols() == 0) return effect;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
-  qr.setThreshold(1e-5);
-  return effect - scaled * qr.solve(effect);
+  const Eigen::MatrixXd span = spanOf(scaled, kLeftTolerance);
+  return effect - span * (span.transpose() * effect);
 }
 
 }  // namespace withheld

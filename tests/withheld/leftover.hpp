@@ -44,6 +44,18 @@ Eigen::MatrixXd whiten(Eigen::MatrixXd columns, const std::vector<Eigen::MatrixX
 Eigen::VectorXd columnScales(const Eigen::MatrixXd& columns);
 constexpr double kRankTolerance = 1e-7;  ///< of columns of length 1
 
+/// Least squares on columns of which some may be the sum of others: the smallest of all answers. (Eigen's QR with pivots solves with all
+/// its pivots, whatever threshold its rank has, and fits rounding errors.)
+struct Solution {
+  Eigen::VectorXd x;
+  Eigen::Index rank = 0;
+};
+Solution solveSmallest(const Eigen::MatrixXd& columns, const Eigen::VectorXd& right);
+
+/// Orthonormal columns that span these, less what is shorter than `tolerance` of columns of length 1.
+Eigen::MatrixXd spanOf(const Eigen::MatrixXd& columns, double tolerance);
+constexpr double kLeftTolerance = 1e-5;  ///< of columns from which geometry is taken away
+
 /// The observations of a capture, to first order, less all that errors of geometry can do to them (geometryColumns); the span of those is
 /// found by QR with column pivoting.
 ///

@@ -82,9 +82,10 @@ Run runProgram(const std::vector<std::string>& arguments, const fs::path& log) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, seconds(usage.ru_utime) + seconds(usage.ru_stime)};
 }
 
-bool diagnose(const std::string& poecal, const fs::path& folder) {
+bool diagnose(const std::string& poecal, const fs::path& folder, bool identify_too) {
   const bool answered = runOnce(poecal, "diagnose", folder, folder / "out", folder / "out" / "diagnosis.json");
-  if (fs::exists(folder / "unseen")) runOnce(poecal, "identify", folder, folder / "identified", folder / "identified" / "model.yaml");
+  if (identify_too && fs::exists(folder / "unseen"))
+    runOnce(poecal, "identify", folder, folder / "identified", folder / "identified" / "model.yaml");
   return answered;
 }
 

@@ -194,11 +194,9 @@ PoseNoise fit(Recording& recording) {
       columns.middleRows<6>(shot).setZero();
     }
     const Eigen::VectorXd scales = columnScales(columns);
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;  // of several answers it takes the smallest
-    decomposition.setThreshold(kRankTolerance);
-    decomposition.compute(columns * scales.asDiagonal());
-    rank = decomposition.rank();
-    moveBy(recording.cell, -scales.cwiseProduct(decomposition.solve(rest)));
+    const Solution solution = solveSmallest(columns * scales.asDiagonal(), rest);
+    rank = solution.rank;
+    moveBy(recording.cell, -scales.cwiseProduct(solution.x));
     noise = scatterOf(observe(recording.cell, recording.shots, {}), rank);
   }
   return noise;

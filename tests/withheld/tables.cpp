@@ -71,7 +71,9 @@ class Figures {
   void add(const std::string& set, const std::string& question, const Cases& cases, const Test& test, const std::string& wanted) {
     if (!cases.empty()) text_ += fmt::format("| {} | {} | {} | {} |\n", set, question, share(countOf(cases, test), cases.size()), wanted);
   }
-  std::string text() const { return "| set | question | share (cases; Wilson 95 %) | wanted |\n|---|---|---|---|\n" + text_; }
+  std::string text() const {
+    return text_.empty() ? "" : "| set | question | share (cases; Wilson 95 %) | wanted |\n|---|---|---|---|\n" + text_;
+  }
 
  private:
   std::string text_;
