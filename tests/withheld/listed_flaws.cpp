@@ -76,7 +76,8 @@ void addJointFlaws(std::vector<Flaw>& flaws, const Cell& cell, const Columns& co
 
   // A disc whose centre is off by (a, b) radii of itself reads the angle of a point seen from a wrong centre.
   add("joint_eccentricity", q, {{"a", 0, 3e-4, 1e-2}, {"b", 0, 3e-4, 1e-2}}, [K](const Flaw& f, const Shot& s, const Loads&, State& c) {
-    c.q[K] += std::atan2(std::sin(s.q[K]) + f[1], std::cos(s.q[K]) + f[0]) - std::atan2(std::sin(s.q[K]), std::cos(s.q[K]));
+    const double off = std::atan2(std::sin(s.q[K]) + f[1], std::cos(s.q[K]) + f[0]) - std::atan2(std::sin(s.q[K]), std::cos(s.q[K]));
+    c.q[K] += std::remainder(off, 2.0 * KDL::PI);  // half a turn away one of the two may have come round
   });
   for (const int order : instances.orders) {
     add("joint_harmonic", q, {{"order", static_cast<double>(order), 0, 0}, {"sine", 0, 2e-4, 5e-3}, {"cosine", 0, 2e-4, 5e-3}},
