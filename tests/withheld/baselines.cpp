@@ -14,12 +14,6 @@ struct Candidate {
   Eigen::MatrixXd basis;  ///< orthonormal, of what is left of its parameters
 };
 
-Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns * columnScales(columns).asDiagonal());
-  qr.setThreshold(1e-5);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
-}
-
 /// Slips at nine times, harmonics of seven orders, all else once.
 std::vector<Candidate> candidatesOf(const Case& made, const Leftover& leftover) {
   std::vector<Candidate> candidates;
@@ -30,7 +24,7 @@ std::vector<Candidate> candidatesOf(const Case& made, const Leftover& leftover) 
       if (tenth > 1 && !flaw.effect.ends_with("_slip")) continue;
       const Eigen::MatrixXd columns = leftover.columns(flaw);
       constexpr double kNothing = 1e-3;  // what is left at usual size, in sigma
-      if (columns.norm() > kNothing) candidates.push_back({flaw.place(), flaw.effect, orthonormal(columns)});
+      if (columns.norm() > kNothing) candidates.push_back({flaw.place(), flaw.effect, spanOf(columns, kLeftTolerance)});
     }
   }
   return candidates;

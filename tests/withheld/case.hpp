@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "withheld/leftover.hpp"
+#include "withheld/pictures.hpp"
 
 namespace withheld {
 
@@ -35,6 +36,7 @@ struct Hidden {
 struct Case {
   std::string set;
   std::uint64_t seed = 0, number = 0;
+  std::string recording;  ///< real one that the effect was brought into; see injected.hpp
 
   // Given.
   Cell told;  ///< nominal arm (as drawn, before the errors), lens as stated
@@ -44,6 +46,7 @@ struct Case {
   Columns columns;
   std::vector<Shot> shots;
   std::vector<Sighting> sightings;
+  std::optional<Look> look;  ///< pictures are given instead of sightings
 
   // Sealed.
   Cell actual;
@@ -57,6 +60,14 @@ struct Case {
   std::map<std::string, std::vector<std::string>> baselines;  ///< see baselines.hpp
   std::vector<Shot> unseen;
   Eigen::VectorXd unseen_corners;
+
+  /// All that is wrong in the cell, findable or not.
+  std::vector<Flaw> flaws() const {
+    std::vector<Flaw> all;
+    for (const Hidden& one : hidden) all.push_back(one.flaw);
+    if (unfindable) all.push_back(*unfindable);
+    return all;
+  }
 };
 
 /// The sets that there are.
@@ -68,5 +79,7 @@ Case makeCase(const std::string& set, std::uint64_t seed, std::uint64_t number);
 
 /// Writes FOLDER/NNNN/capture, FOLDER/NNNN/unseen and FOLDER/NNNN.truth.json.
 void writeCase(const Case& made, const std::string& folder);
+/// The last of these alone.
+void writeTruth(const Case& made, const std::string& folder);
 
 }  // namespace withheld

@@ -22,12 +22,12 @@ void writeText(const fs::path& file, const std::string& text) {
 
 std::string numbers(const Vector& v) { return fmt::format("[{:.12g}, {:.12g}, {:.12g}]", v.x(), v.y(), v.z()); }
 
-std::string manifest(const std::string& name) {
+std::string manifest(const std::string& name, bool detections) {
   return fmt::format(
       "format: poecal-capture/1\nname: {}\nsetup: eye_to_hand\nrobot: robot.yaml\ncamera: camera.yaml\ntarget: target.yaml\nsamples: "
       "samples.csv\n"
-      "detections: detections.csv\n",
-      name);
+      "{}",
+      name, detections ? "detections: detections.csv\n" : "");
 }
 
 std::string robotYaml(const Case& made) {
@@ -136,21 +136,31 @@ std::string unseenCsv(const Case& made) {
   return text;
 }
 
-void writeFolder(const fs::path& folder, const Case& made, const std::vector<Shot>& shots, const std::string& detections) {
+/// @param detections  no line in the manifest where there are none
+void writeFolder(const fs::path& folder, const Case& made, const std::vector<Shot>& shots, const std::optional<std::string>& detections) {
   fs::create_directories(folder);
-  writeText(folder / "capture.yaml", manifest(fmt::format("withheld-{:04}", made.number)));
+  writeText(folder / "capture.yaml", manifest(fmt::format("withheld-{:04}", made.number), detections.has_value()));
   writeText(folder / "robot.yaml", robotYaml(made));
   writeText(folder / "camera.yaml", cameraYaml(made));
   writeText(folder / "target.yaml", targetYaml(made.told.tags));
   writeText(folder / "samples.csv", samplesCsv(shots, made.columns));
-  writeText(folder / "detections.csv", detections);
+  if (detections) writeText(folder / "detections.csv", *detections);
 }
+
+void writePictures(const fs::path& folder, const Case& made) {
+  fs::create_directories(folder / "images");
+  const std::vector<Flaw> flaws = made.flaws();
+  for (const Shot& shot : made.shots) drawPicture(made.actual, shot, flaws, *made.look, folder / shot.image);
+}
+
+std::string numbered(const Case& made) { return fmt::format("{:04}", made.number); }
 
 nlohmann::ordered_json truth(const Case& made) {
   nlohmann::ordered_json json;
   json["set"] = made.set;
   json["seed"] = made.seed;
   json["number"] = made.number;
+  if (!made.recording.empty()) json["recording"] = made.recording;
   json["effects"] = nlohmann::ordered_json::array();
   for (const Hidden& hidden : made.hidden) {
     nlohmann::ordered_json effect = {{"effect", hidden.flaw.effect}, {"location", hidden.flaw.location}, {"driver", hidden.flaw.driver}};
@@ -171,6 +181,8 @@ nlohmann::ordered_json truth(const Case& made) {
   json["sigma_common"] = made.noise.common;
   json["repeatability"] = made.noise.repeatability;
   json["lens_deviation"] = made.lens_deviation.has_value();
+  if (made.look) json["blur"] = made.look->blur;
+  if (made.look) json["noise"] = made.look->noise;
   json["wild"] = made.wild;
   json["missing"] = made.missing;
   if (made.oracle_px) json["oracle_px"] = *made.oracle_px;
@@ -181,10 +193,15 @@ nlohmann::ordered_json truth(const Case& made) {
 }  // namespace
 
 void writeCase(const Case& made, const std::string& folder) {
-  const fs::path root = fs::path(folder) / fmt::format("{:04}", made.number);
-  writeFolder(root / "capture", made, made.shots, detectionsCsv(made));
+  const fs::path root = fs::path(folder) / numbered(made);
+  writeFolder(root / "capture", made, made.shots, made.look ? std::nullopt : std::optional(detectionsCsv(made)));
+  if (made.look) writePictures(root / "capture", made);
   writeFolder(root / "unseen", made, made.unseen, unseenCsv(made));
-  writeText(root.string() + ".truth.json", truth(made).dump(2) + "\n");
+  writeTruth(made, folder);
+}
+
+void writeTruth(const Case& made, const std::string& folder) {
+  writeText(fs::path(folder) / (numbered(made) + ".truth.json"), truth(made).dump(2) + "\n");
 }
 
 }  // namespace withheld

@@ -55,12 +55,10 @@ Eigen::VectorXd seen(const Cell& cell, const State& state) {
 /// Every row is exposed at its own time: each corner is where the moving arm has it when its own row is read.
 Eigen::VectorXd seenRowByRow(const Cell& cell, const Shot& shot, const State& state) {
   Eigen::VectorXd pixels = seen(cell, state);
-  const double middle = (state.lens.height - 1.0) / 2.0;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
     for (int round = 0; round < 3; ++round) {
-      State then = state;
-      then.q += shot.dq * (state.line_time * (pixels[row + 1] - middle));
+      const State then = stateAtRow(shot, state, pixels[row + 1]);
       pixels.segment<2>(row) = state.lens.image(targetInCamera(cell, then) * state.points[i]);
     }
   }
@@ -136,7 +134,13 @@ bool Flaw::credible() const {
   return true;
 }
 
-Eigen::VectorXd corners(const Cell& cell, const Shot& shot, const std::vector<Flaw>& flaws) {
+State stateAtRow(const Shot& shot, const State& state, double row) {
+  State then = state;
+  then.q += shot.dq * (state.line_time * (row - (state.lens.height - 1.0) / 2.0));
+  return then;
+}
+
+State stateAt(const Cell& cell, const Shot& shot, const std::vector<Flaw>& flaws) {
   State state = flawless(cell, shot);
   bool yields = false;
   for (const Flaw& flaw : flaws) yields = yields || flaw.yields;
@@ -146,6 +150,11 @@ Eigen::VectorXd corners(const Cell& cell, const Shot& shot, const std::vector<Fl
     state = flawless(cell, shot);
     for (const Flaw& flaw : flaws) flaw.act(flaw, shot, loads, state);
   }
+  return state;
+}
+
+Eigen::VectorXd corners(const Cell& cell, const Shot& shot, const std::vector<Flaw>& flaws) {
+  const State state = stateAt(cell, shot, flaws);
   Eigen::VectorXd pixels = state.line_time != 0.0 ? seenRowByRow(cell, shot, state) : seen(cell, state);
   if (state.outward != 0.0) moveEdgesOut(pixels, state.outward);
   if (state.warp) {

@@ -83,5 +83,9 @@ Eigen::VectorXd corners(const Cell& cell, const std::vector<Shot>& shots, const 
 Frame targetInCamera(const Cell& cell, const State& state);
 /// A state without flaws.
 State flawless(const Cell& cell, const Shot& shot);
+/// A state with flaws, in equilibrium with its loads.
+State stateAt(const Cell& cell, const Shot& shot, const std::vector<Flaw>& flaws);
+/// The state at the time when a row of the picture is exposed.
+State stateAtRow(const Shot& shot, const State& state, double row);
 
 }  // namespace withheld

@@ -21,6 +21,19 @@ double timeOfRun(const Case& made, double share) {
   return made.shots.front().stamp + share * (made.shots.back().stamp - made.shots.front().stamp);
 }
 
+/// Whether some parameter could leave a fifth of S without being beyond its most: a joint that is all but upright carries no moment worth
+/// the name, whatever masses it would need.
+bool couldLeave(const Flaw& flaw, const Leftover& leftover, double S) {
+  constexpr double kShare = 0.2;
+  const Eigen::MatrixXd columns = leftover.columns(flaw);
+  Eigen::Index column = 0;
+  for (const Parameter& parameter : flaw.parameters) {
+    if (parameter.usual == 0.0) continue;
+    if (columns.col(column++).norm() * parameter.most / parameter.usual > kShare * S) return true;
+  }
+  return false;
+}
+
 /// Fills aliases and nearest of a hidden effect from instances of all kinds.
 void compare(Hidden& hidden, const std::vector<Flaw>& others, const Leftover& leftover) {
   const Eigen::VectorXd left = leftover.left({hidden.flaw});
@@ -89,12 +102,19 @@ std::optional<Hidden> chooseListed(const Case& made, const Leftover& leftover, c
   return std::nullopt;
 }
 
-void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden) {
+void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden, bool masses_unknown) {
   Instances instances{timeOfRun(made, 0.5), {2}};
   for (const Parameter& parameter : hidden.flaw.parameters) {
     if (parameter.name == "time") instances.slip_time = parameter.value;
   }
-  compare(hidden, listedFlaws(made.actual, made.columns, instances), leftover);
+  std::vector<Flaw> others = listedFlaws(made.actual, made.columns, instances);
+  if (masses_unknown) {
+    for (Flaw& flaw : others) {
+      if (flaw.yields) flaw = withUnknownMasses(made.actual, flaw);
+    }
+    std::erase_if(others, [&](const Flaw& flaw) { return !couldLeave(flaw, leftover, hidden.S); });
+  }
+  compare(hidden, others, leftover);
 }
 
 std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, Chance& chance) {

@@ -23,7 +23,8 @@ KindNeeds needsOf(const std::string& effect);
 std::optional<Hidden> chooseListed(const Case& made, const Leftover& leftover, const std::string& effect, double S, Chance& chance);
 
 /// Fills aliases and nearest of a hidden effect from every listed effect that the cell can have.
-void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden);
+/// @param masses_unknown  gravity's effects are those of an arm of any masses
+void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden, bool masses_unknown = false);
 
 /// One that the table does not have and that no listed one explains.
 std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, Chance& chance);

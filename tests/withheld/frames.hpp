@@ -12,7 +12,11 @@ using KDL::Rotation;
 using KDL::Vector;
 
 /// Rotation about the direction of `turn` by its length [rad], then a shift [m]; both in the frame that it moves.
-inline Frame motion(const Vector& turn, const Vector& shift = Vector::Zero()) { return {Rotation::Rot(turn, turn.Norm()), shift}; }
+inline Frame motion(const Vector& turn, const Vector& shift = Vector::Zero()) {
+  const double angle = turn.Norm();
+  // KDL's Rot() takes the x axis for turns below 1e-6 rad.
+  return {angle > 0.0 ? Rotation::Rot2(turn / angle, angle) : Rotation::Identity(), shift};
+}
 
 /// Modified Denavit-Hartenberg step without its joint: turn alpha about x, go a along x, then d along the new z.
 inline Frame step(double alpha, double a, double d) {

@@ -21,6 +21,23 @@ struct Lens {
     const double v = y * stretch + p2 * 2.0 * x * y + p1 * (r2 + 2.0 * y * y);
     return {cx + fx * u, cy + fy * v};
   }
+  /// The point at z = 1 whose pixel this is, as far as the polynomial reaches.
+  Eigen::Vector2d ray(const Eigen::Vector2d& px) const {
+    constexpr int kRounds = 60;
+    constexpr double kSame = 1e-12;
+    const double u = (px.x() - cx) / fx, v = (px.y() - cy) / fy;
+    Eigen::Vector2d at(u, v);
+    for (int round = 0; round < kRounds; ++round) {
+      const double x = at.x(), y = at.y(), r2 = x * x + y * y;
+      const double stretch = 1.0 + r2 * (k1 + r2 * k2);
+      const Eigen::Vector2d next((u - p1 * 2.0 * x * y - p2 * (r2 + 2.0 * x * x)) / stretch,
+                                 (v - p2 * 2.0 * x * y - p1 * (r2 + 2.0 * y * y)) / stretch);
+      const double step = (next - at).norm();
+      at = next;
+      if (step < kSame) break;
+    }
+    return at;
+  }
   /// Whether rays this far out still go outwards in the picture: a polynomial folds beyond, and no lens does.
   bool reaches(const Vector& p) const {
     constexpr double kWidest = 1.0;  // tangent; the picture's corners are at 0.75

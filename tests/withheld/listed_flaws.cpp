@@ -76,7 +76,8 @@ void addJointFlaws(std::vector<Flaw>& flaws, const Cell& cell, const Columns& co
 
   // A disc whose centre is off by (a, b) radii of itself reads the angle of a point seen from a wrong centre.
   add("joint_eccentricity", q, {{"a", 0, 3e-4, 1e-2}, {"b", 0, 3e-4, 1e-2}}, [K](const Flaw& f, const Shot& s, const Loads&, State& c) {
-    c.q[K] += std::atan2(std::sin(s.q[K]) + f[1], std::cos(s.q[K]) + f[0]) - std::atan2(std::sin(s.q[K]), std::cos(s.q[K]));
+    const double off = std::atan2(std::sin(s.q[K]) + f[1], std::cos(s.q[K]) + f[0]) - std::atan2(std::sin(s.q[K]), std::cos(s.q[K]));
+    c.q[K] += std::remainder(off, 2.0 * KDL::PI);  // half a turn away one of the two may have come round
   });
   for (const int order : instances.orders) {
     add("joint_harmonic", q, {{"order", static_cast<double>(order), 0, 0}, {"sine", 0, 2e-4, 5e-3}, {"cosine", 0, 2e-4, 5e-3}},
@@ -226,6 +227,37 @@ std::vector<Flaw> listedFlaws(const Cell& cell, const Columns& columns, const In
   addCameraFlaws(flaws, columns, instances);
   addTargetFlaws(flaws, cell);
   return flaws;
+}
+
+Flaw withUnknownMasses(const Cell& cell, const Flaw& flaw) {
+  constexpr double kHeaviest = 20.0;  // [kg], or kg m
+  std::vector<Cell> units;            // arms of which one body weighs 1 kg
+  for (std::size_t body = 0; body < cell.arm.size(); ++body) {
+    for (int axis = -1; axis < 3; ++axis) {
+      Cell unit = cell;
+      for (Body& other : unit.arm.bodies) other = {};
+      unit.arm.bodies[body].mass = 1.0;
+      if (axis >= 0) unit.arm.bodies[body].com[axis] = 1.0;
+      units.push_back(unit);
+    }
+  }
+  Flaw free = flaw;
+  free.yields = false;  // the loads that it is handed are not its own
+  free.parameters.clear();
+  for (std::size_t unit = 0; unit < units.size(); ++unit) {
+    for (const Parameter& own : flaw.parameters)
+      free.parameters.push_back({fmt::format("{}_{}", own.name, unit), 0.0, own.usual, kHeaviest * own.most});
+  }
+  free.act = [units, flaw](const Flaw& f, const Shot& shot, const Loads&, State& state) {
+    for (std::size_t i = 0; i < f.parameters.size(); ++i) {
+      if (f[i] == 0.0) continue;
+      Flaw part = flaw;
+      part.scale(0.0);
+      part.parameters[i % flaw.parameters.size()].value = f[i];
+      part.act(part, shot, gravityLoads(units[i / flaw.parameters.size()], state, 0.0), state);
+    }
+  };
+  return free;
 }
 
 Flaw jointScatter(const Cell& cell, std::size_t joint, std::uint64_t seed) {

@@ -19,6 +19,10 @@ struct Instances {
 /// target_scale, which have sets of their own.
 std::vector<Flaw> listedFlaws(const Cell& cell, const Columns& columns, const Instances& instances);
 
+/// A flaw that yields to gravity (joint_compliance, link_bending, base_compliance) of an arm whose masses nobody knows: one parameter for
+/// each body's mass, and for its mass one metre along each of its axes, times each of the flaw's own; any masses are a sum of these.
+Flaw withUnknownMasses(const Cell& cell, const Flaw& flaw);
+
 /// A joint (from 0) that comes to rest anywhere within `sigma` of where it should, drawn anew at each pose.
 Flaw jointScatter(const Cell& cell, std::size_t joint, std::uint64_t seed);
 

@@ -10,13 +10,6 @@ namespace {
 
 constexpr std::size_t kUnseen = 60;
 
-std::vector<Flaw> flawsOf(const Case& made) {
-  std::vector<Flaw> flaws;
-  for (const Hidden& hidden : made.hidden) flaws.push_back(hidden.flaw);
-  if (made.unfindable) flaws.push_back(*made.unfindable);
-  return flaws;
-}
-
 /// Shots as the arm really took them: at each pose the joints come to rest a little elsewhere; repeats do not move.
 std::vector<Shot> atRest(const Case& made, Chance& chance) {
   std::vector<Shot> shots = made.shots;
@@ -52,10 +45,17 @@ void makeWild(Case& made, std::vector<Eigen::VectorXd>& pixels, double share, Ch
   }
 }
 
+void observeUnseen(Case& made, Chance& chance) {
+  made.unseen = drawUnseen(made.actual, made.shots, kUnseen, chance);
+  std::vector<Flaw> predictable = made.flaws();
+  std::erase_if(predictable, [](const Flaw& flaw) { return flaw.at_random; });
+  made.unseen_corners = corners(made.actual, made.unseen, predictable);
+}
+
 }  // namespace
 
 void observe(Case& made, const Disorder& disorder, Chance& chance) {
-  const std::vector<Flaw> flaws = flawsOf(made);
+  const std::vector<Flaw> flaws = made.flaws();
   const std::vector<Shot> shots = atRest(made, chance);
   std::vector<Eigen::VectorXd> pixels;
   for (const Shot& shot : shots) {
@@ -78,10 +78,18 @@ void observe(Case& made, const Disorder& disorder, Chance& chance) {
       made.sightings.push_back(sighting);
     }
   }
-  made.unseen = drawUnseen(made.actual, made.shots, kUnseen, chance);
-  std::vector<Flaw> predictable = flaws;
-  std::erase_if(predictable, [](const Flaw& flaw) { return flaw.at_random; });
-  made.unseen_corners = corners(made.actual, made.unseen, predictable);
+  observeUnseen(made, chance);
+}
+
+void observeByPictures(Case& made, Chance& chance) {
+  Look look;
+  look.dark = chance.between(20.0, 45.0);
+  look.bright = chance.between(190.0, 235.0);
+  look.blur = chance.between(0.5, 1.0);
+  look.noise = chance.between(1.0, 3.0);
+  look.seed = chance.index(1U << 30U);
+  made.look = look;
+  observeUnseen(made, chance);
 }
 
 }  // namespace withheld

@@ -1,4 +1,4 @@
-// What the camera of a case reports: true corners with noise, missing tags and rows that do not belong together.
+// What the camera of a case reports: true corners with noise, missing tags and rows that do not belong together; or pictures.
 #pragma once
 
 #include "withheld/case.hpp"
@@ -12,5 +12,8 @@ struct Disorder {
 
 /// Fills sightings, wild and missing of a case, its unseen poses and their corners without noise.
 void observe(Case& made, const Disorder& disorder, Chance& chance);
+
+/// The same for a case that gives pictures: fills look, the unseen poses and their corners.
+void observeByPictures(Case& made, Chance& chance);
 
 }  // namespace withheld

@@ -54,9 +54,7 @@ double oracleOnUnseen(const Case& made) {
   }
 
   const Eigen::VectorXd scales = columnScales(columns);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns * scales.asDiagonal());
-  qr.setThreshold(kRankTolerance);
-  const Eigen::VectorXd fitted = scales.cwiseProduct(qr.solve(observed));
+  const Eigen::VectorXd fitted = scales.cwiseProduct(solveSmallest(columns * scales.asDiagonal(), observed).x);
   const Eigen::VectorXd off = allColumns(made, made.unseen) * fitted;
   return std::sqrt(off.squaredNorm() / (static_cast<double>(off.size()) / 2.0));
 }

@@ -20,12 +20,19 @@ namespace fs = std::filesystem;
 
 double seconds(const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); }
 
-/// Runs `poecal COMMAND CAPTURE --out OUT --quiet --jobs 1` unless `result` is there.
+/// Runs `poecal COMMAND INPUT... --out OUT --quiet --jobs 1` unless `result` is there.
 bool runOnce(const std::string& poecal, const std::string& command, const fs::path& folder, const fs::path& out, const fs::path& result) {
   if (fs::exists(result)) return true;
   fs::create_directories(out);
-  const Run run =
-      runProgram({poecal, command, (folder / "capture").string(), "--out", out.string(), "--quiet", "--jobs", "1"}, out / "log");
+  std::vector<std::string> arguments = {poecal, command};
+  const fs::path poses = folder / "poses";
+  if (fs::exists(poses)) {
+    arguments.insert(arguments.end(), {"--robot", (poses / "robot.yaml").string(), "--poses", (poses / "poses.csv").string()});
+  } else {
+    arguments.push_back((folder / "capture").string());
+  }
+  arguments.insert(arguments.end(), {"--out", out.string(), "--quiet", "--jobs", "1"});
+  const Run run = runProgram(arguments, out / "log");
   std::ofstream(out / "seconds") << run.seconds << '\n';
   return run.status == 0 && fs::exists(result);
 }
@@ -75,9 +82,10 @@ Run runProgram(const std::vector<std::string>& arguments, const fs::path& log) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, seconds(usage.ru_utime) + seconds(usage.ru_stime)};
 }
 
-bool diagnose(const std::string& poecal, const fs::path& folder) {
+bool diagnose(const std::string& poecal, const fs::path& folder, bool identify_too) {
   const bool answered = runOnce(poecal, "diagnose", folder, folder / "out", folder / "out" / "diagnosis.json");
-  runOnce(poecal, "identify", folder, folder / "identified", folder / "identified" / "model.yaml");
+  if (identify_too && fs::exists(folder / "unseen"))
+    runOnce(poecal, "identify", folder, folder / "identified", folder / "identified" / "model.yaml");
   return answered;
 }
 
@@ -89,6 +97,7 @@ std::optional<double> secondsOf(const fs::path& out) {
 }
 
 std::optional<double> rmsOnUnseen(const std::string& poecal, const fs::path& folder, const std::string& out) {
+  if (!fs::exists(folder / "unseen")) return std::nullopt;
   const fs::path model = folder / out / "model.yaml", predicted = folder / out / "unseen.csv";
   if (!fs::exists(predicted)) {
     if (!fs::exists(model)) return std::nullopt;

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# tests/withheld/run.sh [CASES [SEED]]: the withheld check. Makes CASES cases (400) of every set from a seed drawn now (or SEED), lets
+# tests/withheld/run.sh [CASES [SEED]]: the withheld check. Makes CASES cases (400) of every set, a twentieth of that with pictures and a
+# tenth injected into the real recordings of $POECAL_REAL_DIR (../shared/real) where these are there, from a seed drawn now (or SEED), lets
 # `poecal diagnose` answer them, opens the truths and prints the tables. Folder of the cases: $WITHHELD_DIR, or a new one under /tmp.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -11,9 +12,20 @@ apps/build.sh release poecal_app withheld_world withheld_score
 
 echo "seed $seed, cases in $folder"
 programs=build/release/tests/withheld
-for set in single clean untidy untidy-single pairs outside scatter scale unobservable; do
-  compare=()
-  case $set in single | clean | pairs | outside) compare=(--baselines) ;; esac
-  "$programs/withheld_world" --set "$set" --cases "$cases" --seed "$seed" --out "$folder/$set" --jobs "$(nproc)" "${compare[@]}"
+few=$(((cases + 19) / 20)) # of the cases whose pictures are drawn and searched: they are slow
+for set in single clean untidy untidy-single pairs outside scatter scale unobservable rendered; do
+  compare=() count=$cases
+  case $set in
+    single | clean | pairs | outside) compare=(--baselines) ;;
+    rendered) count=$few ;;
+  esac
+  "$programs/withheld_world" --set "$set" --cases "$count" --seed "$seed" --out "$folder/$set" --jobs "$(nproc)" "${compare[@]}"
 done
+real=${POECAL_REAL_DIR:-../shared/real}
+if [ -d "$real" ]; then
+  "$programs/withheld_world" --set injected --real "$real" --cases $((3 + (cases + 9) / 10)) --seed "$seed" --out "$folder/injected" \
+    --jobs "$(nproc)"
+else
+  echo "skips the set injected: no real recordings in $real (POECAL_REAL_DIR names another place)"
+fi
 "$programs/withheld_score" "$folder" --poecal build/release/apps/poecal/poecal --jobs "$(nproc)" --table "$folder/table.md"

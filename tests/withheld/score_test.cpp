@@ -1,6 +1,7 @@
 // Does the scorer count what it says it counts?
 #include <gmock/gmock.h>
 
+#include "withheld/injected_table.hpp"
 #include "withheld/tables.hpp"
 
 namespace withheld {
@@ -18,7 +19,7 @@ Finding finding(const std::string& effect, const std::string& location, const st
 Truth yieldingElbow() {
   Truth truth;
   truth.set = "single";
-  truth.effects = {{"joint_compliance", "joint:3", "tau3", 15.0, 0.0, 0.0, {"link_bending@link:2"}}};
+  truth.effects = {{"joint_compliance", "joint:3", "tau3", 15.0, 0.0, 0.0, {"link_bending@link:2"}, {}}};
   return truth;
 }
 
@@ -54,6 +55,46 @@ TEST(Judge, LetsWildRowsBeFoundWhereThereAreSome) {
   EXPECT_EQ(judge(truth, answer).findings, 1U);
   truth.wild = {"images/0003.png"};
   EXPECT_EQ(judge(truth, answer).findings, 0U);
+}
+
+/// A case of a recording: what was brought into it, and what was said.
+Scored ofRecording(const std::vector<TrueEffect>& effects, const std::vector<Finding>& findings) {
+  Scored scored;
+  scored.truth.set = "injected";
+  scored.truth.recording = "some-arm";
+  scored.truth.effects = effects;
+  scored.answer.findings = findings;
+  scored.answered = true;
+  scored.verdict = judge(scored.truth, scored.answer);
+  return scored;
+}
+
+TEST(Injected, AgreesWithinWhatIsStated) {
+  TrueEffect gain;
+  gain.parameters = {{"gain", 2e-3}};
+  Finding said = finding("joint_gain", "joint:1", "q1");
+  said.parameters = {{"gain", 2.19e-3}};
+  said.deviations = {{"gain", 1e-4}};
+  EXPECT_TRUE(agrees(gain, said));
+  said.parameters["gain"] = 2.2e-3;  // 2 sigma; 95 % lie within 1.96
+  EXPECT_FALSE(agrees(gain, said));
+  said.deviations.clear();
+  EXPECT_FALSE(agrees(gain, said));
+}
+
+TEST(Injected, IsHeldAgainstTheRecordingAsItIs) {
+  TrueEffect gain;
+  gain.effect = "joint_gain";
+  gain.location = "joint:1";
+  const Finding pedestal = finding("base_compliance", "base", "gravity"), named = finding("joint_gain", "joint:1", "q1");
+  const std::string table = injected({ofRecording({}, {pedestal}), ofRecording({gain}, {pedestal, named})});
+  EXPECT_THAT(table, testing::HasSubstr("some-arm as it is: base_compliance@base."));
+  EXPECT_THAT(table, testing::HasSubstr("| all | found, in its place | 100.0 % (1/1"));
+  EXPECT_THAT(table, testing::HasSubstr("| all | absent from the recording as it is | 100.0 % (1/1"));
+  EXPECT_THAT(table, testing::HasSubstr("| all | nothing else new | 100.0 % (1/1"));
+  const std::string always = injected({ofRecording({}, {named}), ofRecording({gain}, {named, pedestal})});
+  EXPECT_THAT(always, testing::HasSubstr("| all | absent from the recording as it is | 0.0 % (0/1"));
+  EXPECT_THAT(always, testing::HasSubstr("| all | nothing else new | 0.0 % (0/1"));
 }
 
 TEST(Wilson, HasTheKnownEnds) {

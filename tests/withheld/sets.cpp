@@ -16,8 +16,9 @@ namespace {
 
 constexpr double kLeastS = 5.0, kMostS = 40.0;  // of single effects
 constexpr double kClearS = 12.0;
-constexpr int kSettings = 40;  // tried before other effects are drawn
-constexpr int kDraws = 50;     // of effects before a case is given up
+constexpr double kFoundCorner = 0.01;  // what finding corners in pictures is taken to leave, for their S [px]
+constexpr int kSettings = 40;          // tried before other effects are drawn
+constexpr int kDraws = 50;             // of effects before a case is given up
 
 /// Draws cells until `choose` finds its effects in one. @return whether it did
 template <typename Choose>
@@ -45,8 +46,7 @@ void drawUntil(const Case& made, const Draw& draw) {
   throw std::runtime_error("no cell found for case " + std::to_string(made.number) + " of set " + made.set);
 }
 
-Wishes wishesFor(const std::vector<std::string>& effects) {
-  Wishes wishes;
+Wishes wishesFor(const std::vector<std::string>& effects, Wishes wishes = {}) {
   for (const std::string& effect : effects) {
     const KindNeeds needs = needsOf(effect);
     wishes.stamp = wishes.stamp || needs.stamp;
@@ -90,10 +90,10 @@ void untidy(Case& made, Chance& chance) {
 
 /// A cell with one listed effect. @param prepare  is called with each cell before the effect is chosen.
 template <typename Prepare>
-void drawListed(Case& made, const std::vector<std::string>& names, double S, Chance& chance, const Prepare& prepare) {
+void drawListed(Case& made, const Wishes& wishes, const std::vector<std::string>& names, double S, Chance& chance, const Prepare& prepare) {
   drawUntil(made, [&] {
     const std::string effect = chance.oneOf(names);
-    return drawWith(made, wishesFor({effect}), chance, [&](Case& c) {
+    return drawWith(made, wishesFor({effect}, wishes), chance, [&](Case& c) {
       prepare(c);
       const Leftover leftover(c.actual, c.shots, c.noise, c.lens_deviation.has_value());
       std::optional<Hidden> hidden = chooseListed(c, leftover, effect, S, chance);
@@ -106,8 +106,19 @@ void drawListed(Case& made, const std::vector<std::string>& names, double S, Cha
 }
 
 void single(Case& made, Chance& chance) {
-  drawListed(made, listedNames(), chance.scale(kLeastS, kMostS), chance, [](Case&) {});
+  drawListed(made, {}, listedNames(), chance.scale(kLeastS, kMostS), chance, [](Case&) {});
   observe(made, {}, chance);
+}
+
+/// One effect, and pictures in which the corners have to be found first.
+void rendered(Case& made, Chance& chance) {
+  Wishes wishes;
+  wishes.pictures = true;
+  // A bent tag is not drawn; edges that are seen too far out are ink, which whoever fits a whole tag takes for ink.
+  std::vector<std::string> names = listedNames();
+  std::erase_if(names, [](const std::string& name) { return name == "target_bend" || name == "target_layout" || name == "corner_bias"; });
+  drawListed(made, wishes, names, chance.scale(kClearS, kMostS), chance, [](Case& c) { c.noise = {kFoundCorner, 0.0, 0.0}; });
+  observeByPictures(made, chance);
 }
 
 void outside(Case& made, Chance& chance) {
@@ -139,7 +150,7 @@ void untidySingle(Case& made, Chance& chance) {
   std::vector<std::string> names = listedNames();
   std::erase_if(names,
                 [](const std::string& name) { return name == "focal_length" || name == "principal_point" || name == "lens_distortion"; });
-  drawListed(made, names, chance.scale(kClearS, kMostS), chance, [&](Case& c) {
+  drawListed(made, {}, names, chance.scale(kClearS, kMostS), chance, [&](Case& c) {
     makeUntidy(c, chance);
     spoilMasses(c, chance);
   });
@@ -237,8 +248,9 @@ void unobservable(Case& made, Chance& chance) {
 using MakeSet = void (*)(Case&, Chance&);
 const std::map<std::string, MakeSet>& sets() {
   static const std::map<std::string, MakeSet> all = {
-      {"single", single}, {"clean", clean},     {"untidy", untidy}, {"outside", outside},          {"untidy-single", untidySingle},
-      {"pairs", pairs},   {"scatter", scatter}, {"scale", scale},   {"unobservable", unobservable}};
+      {"single", single},   {"rendered", rendered},          {"clean", clean}, {"untidy", untidy},
+      {"outside", outside}, {"untidy-single", untidySingle}, {"pairs", pairs}, {"scatter", scatter},
+      {"scale", scale},     {"unobservable", unobservable}};
   return all;
 }
 
@@ -268,7 +280,7 @@ Case makeCase(const std::string& set, std::uint64_t seed, std::uint64_t number) 
   for (const char letter : set) mixed = mixed * 131 + static_cast<unsigned char>(letter);
   Chance chance(mixed);
   found->second(made, chance);
-  if (!made.hidden.empty()) made.oracle_px = oracleOnUnseen(made);
+  if (!made.hidden.empty() && !made.look) made.oracle_px = oracleOnUnseen(made);
   return made;
 }
 

@@ -9,6 +9,9 @@ namespace {
 
 constexpr double kSeveralTags = 0.2, kRepeats = 0.15, kMoving = 0.25, kPayloads = 0.12, kMassesTold = 0.7;
 
+constexpr double kMostShots = 250.0, kMostPictures = 80.0;
+const Tag kTagOfPictures = {7, 0.12, Vector::Zero()};  // larger, as pixels are
+
 Lens drawLens(Chance& chance) {
   Lens lens;
   lens.fx = chance.between(2200.0, 2650.0);
@@ -19,6 +22,17 @@ Lens drawLens(Chance& chance) {
   lens.k2 = chance.normal(0.05);
   lens.p1 = chance.normal(4e-4);
   lens.p2 = chance.normal(4e-4);
+  return lens;
+}
+
+/// Two by two pixels become one.
+Lens halved(Lens lens) {
+  lens.width /= 2;
+  lens.height /= 2;
+  lens.fx /= 2.0;
+  lens.fy /= 2.0;
+  lens.cx = (lens.cx - 0.5) / 2.0;
+  lens.cy = (lens.cy - 0.5) / 2.0;
   return lens;
 }
 
@@ -44,6 +58,10 @@ void drawSetting(Case& made, const Wishes& wishes, Chance& chance) {
   made.told.arm = drawArm(chance, wishes.family.empty() ? drawFamily(chance) : wishes.family);
   made.told.lens = drawLens(chance);
   made.told.tags = drawTags(wishes.several_tags || chance.happens(kSeveralTags));
+  if (wishes.pictures) {
+    made.told.lens = halved(made.told.lens);
+    made.told.tags = {kTagOfPictures};
+  }
   made.told.T_flange_target = drawGrip(chance);
   placeCamera(made.told, chance);
   made.actual = made.told;
@@ -58,7 +76,7 @@ void drawSetting(Case& made, const Wishes& wishes, Chance& chance) {
   columns.payload = chance.happens(kPayloads);
   columns.still_dq = !columns.dq && chance.happens(0.2);
   columns.pose = !columns.dq && chance.happens(kRepeats);
-  const auto images = static_cast<std::size_t>(std::lround(chance.scale(40.0, 250.0)));
+  const auto images = static_cast<std::size_t>(std::lround(chance.scale(40.0, wishes.pictures ? kMostPictures : kMostShots)));
   const std::size_t times = columns.pose ? 2 + chance.index(2) : 1;
   made.shots = drawShots(made.actual, std::max<std::size_t>(30, images / times), times, columns.dq, columns.payload, chance);
   made.noise = {chance.scale(0.05, 0.2), 0.0, 0.0};

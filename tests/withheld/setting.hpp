@@ -9,7 +9,8 @@ namespace withheld {
 struct Wishes {
   std::string family;  ///< of the arm; empty: any
   bool stamp = false, dir = false, dq = false, several_tags = false;
-  bool masses = false;  ///< the arm's masses are told
+  bool masses = false;    ///< the arm's masses are told
+  bool pictures = false;  ///< of one tag, 40 to 80 of them, a quarter of the pixels: they are drawn and searched
 };
 
 /// Arm, camera, tags, poses and columns by chance; sets told, actual, columns, shots, noise.

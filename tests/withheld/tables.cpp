@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "withheld/injected_table.hpp"
+
 namespace withheld {
 namespace {
 
@@ -44,12 +46,6 @@ double leastS(const Scored& scored) {
   return least;
 }
 
-std::string share(std::size_t hits, std::size_t of) {
-  const Interval interval = wilson(hits, of);
-  return fmt::format("{:.1f} % ({}/{}; {:.1f} to {:.1f})", of ? 100.0 * static_cast<double>(hits) / static_cast<double>(of) : 0.0, hits, of,
-                     100.0 * interval.low, 100.0 * interval.high);
-}
-
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) return NAN;
   std::sort(values.begin(), values.end());
@@ -62,6 +58,8 @@ bool allRight(const Scored& s) {
 bool allAmong(const Scored& s) {
   return std::all_of(s.verdict.fates.begin(), s.verdict.fates.end(), [](const Fate& fate) { return fate.among; });
 }
+/// A recording has findings of its own, of which nobody knows the truth.
+bool isReal(const Scored& s) { return !s.truth.recording.empty(); }
 bool anyFinding(const Scored& s) { return s.verdict.findings > 0; }
 bool noFinding(const Scored& s) { return s.verdict.findings == 0; }
 bool wrongName(const Scored& s) { return s.verdict.wrong_names > 0; }
@@ -73,7 +71,9 @@ class Figures {
   void add(const std::string& set, const std::string& question, const Cases& cases, const Test& test, const std::string& wanted) {
     if (!cases.empty()) text_ += fmt::format("| {} | {} | {} | {} |\n", set, question, share(countOf(cases, test), cases.size()), wanted);
   }
-  std::string text() const { return "| set | question | share (cases; Wilson 95 %) | wanted |\n|---|---|---|---|\n" + text_; }
+  std::string text() const {
+    return text_.empty() ? "" : "| set | question | share (cases; Wilson 95 %) | wanted |\n|---|---|---|---|\n" + text_;
+  }
 
  private:
   std::string text_;
@@ -110,6 +110,7 @@ std::string figuresOf(const std::vector<Scored>& cases) {
   figures.add("clean", "any finding", ofSet(cases, "clean"), anyFinding, "<= 1 %");
   figures.add("untidy", "any finding but wild rows", ofSet(cases, "untidy"), anyFinding, "<= 2 %");
   addSingles(figures, cases, "untidy-single");
+  addSingles(figures, cases, "rendered");
   const Cases pairs = ofSet(cases, "pairs");
   figures.add("pairs", "both right", pairs, allRight, ">= 92 %");
   figures.add(
@@ -189,6 +190,7 @@ std::string calibration(const std::vector<Scored>& cases) {
   std::vector<Bin> bins(10);
   std::size_t all = 0;
   for (const Scored& scored : cases) {
+    if (isReal(scored)) continue;
     for (const Stated& stated : scored.verdict.stated) {
       Bin& bin = bins[std::min<std::size_t>(9, static_cast<std::size_t>(std::max(0.0, stated.probability * 10.0)))];
       bin.stated += stated.probability;
@@ -242,7 +244,7 @@ std::string shrinkage(const std::vector<Scored>& cases) {
 std::string times(const std::vector<Scored>& cases) {
   std::vector<double> seconds, fits, at80;
   for (const Scored& s : cases) {
-    if (s.seconds <= 0.0) continue;
+    if (s.seconds <= 0.0 || s.truth.set == "rendered" || isReal(s)) continue;  // of pictures most goes into finding corners
     seconds.push_back(s.seconds);
     if (s.identify_seconds > 0.0) fits.push_back(s.seconds / s.identify_seconds);
     if (s.truth.shots >= 70 && s.truth.shots <= 90) at80.push_back(s.seconds);
@@ -293,6 +295,7 @@ std::string comparison(const std::vector<Scored>& cases) {
 std::string wrongAnswers(const std::vector<Scored>& cases) {
   std::string text;
   for (const Scored& s : cases) {
+    if (isReal(s)) continue;
     const bool strange = s.truth.set == "outside";
     const bool good =
         s.answered && s.verdict.extras == 0 && s.verdict.wrong_names == 0 && (strange ? s.verdict.fates[0].unknown_there : allRight(s));
@@ -319,11 +322,18 @@ Interval wilson(std::size_t hits, std::size_t of) {
   return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
+std::string share(std::size_t hits, std::size_t of) {
+  const Interval interval = wilson(hits, of);
+  return fmt::format("{:.1f} % ({}/{}; {:.1f} to {:.1f})", of ? 100.0 * static_cast<double>(hits) / static_cast<double>(of) : 0.0, hits, of,
+                     100.0 * interval.low, 100.0 * interval.high);
+}
+
 std::string tables(const std::vector<Scored>& cases) {
   const auto unanswered = static_cast<std::size_t>(std::count_if(cases.begin(), cases.end(), [](const Scored& s) { return !s.answered; }));
   std::string text = fmt::format("{} cases, {} without an answer.\n\n", cases.size(), unanswered);
   return text + figuresOf(cases) + calibration(cases) + comparison(cases) + shrinkage(cases) + times(cases) + byEffect(cases, "single") +
-         byEffect(cases, "untidy-single") + byEffect(cases, "outside") + wrongAnswers(cases);
+         byEffect(cases, "untidy-single") + byEffect(cases, "rendered") + byEffect(cases, "outside") + wrongAnswers(cases) +
+         injected(cases);
 }
 
 }  // namespace withheld

@@ -24,6 +24,9 @@ struct Interval {
 /// Wilson's 95 % interval of a share.
 Interval wilson(std::size_t hits, std::size_t of);
 
+/// "90.0 % (18/20; 69.9 to 97.2)": a share and its interval.
+std::string share(std::size_t hits, std::size_t of);
+
 /// All tables, in Markdown: what was wanted of each set and what came out, the listed effects one by one, wrong answers, calibration,
 /// shrinkage and times. Sets without cases are left out.
 std::string tables(const std::vector<Scored>& cases);

@@ -23,6 +23,23 @@ Named readNamed(const nlohmann::json& json) {
   return named;
 }
 
+/// Parameters of a hidden effect as the contract has them.
+std::map<std::string, double> contractParameters(const std::string& effect, const nlohmann::json& hidden) {
+  auto parameters = hidden.get<std::map<std::string, double>>();
+  for (const char* which : {"order", "source", "time", "tag"}) parameters.erase(which);
+  // atan2(sin q + b, cos q + a) - q is b cos q - a sin q, to first order in the shift of the disc.
+  if (effect == "joint_eccentricity") return {{"sine", -parameters.at("a")}, {"cosine", parameters.at("b")}};
+  return parameters;
+}
+
+std::map<std::string, double> readNumbers(const nlohmann::json& json) {
+  std::map<std::string, double> numbers;
+  for (const auto& [name, value] : json.items()) {
+    if (value.is_number()) numbers[name] = value.get<double>();
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::string placeName(const std::string& effect, const std::string& location) { return effect + "@" + location; }
@@ -37,6 +54,7 @@ Truth readTruth(const std::filesystem::path& file) {
   const std::string path = file.string();
   truth.folder = path.substr(0, path.size() - std::string(".truth.json").size());
   truth.set = json.at("set").get<std::string>();
+  truth.recording = json.value("recording", "");
   truth.shots = json.at("shots").get<std::size_t>();
   truth.wild = json.at("wild").get<std::vector<std::string>>();
   truth.silent = json.at("silent").get<std::vector<std::string>>();
@@ -51,6 +69,7 @@ Truth readTruth(const std::filesystem::path& file) {
     one.left_by_nearest = effect.at("left_by_nearest").get<double>();
     one.aliases = effect.at("aliases").get<std::vector<std::string>>();
     if (one.effect == "target_scale") one.size = effect.at("parameters").at("scale").get<double>();
+    one.parameters = contractParameters(one.effect, effect.at("parameters"));
     truth.effects.push_back(one);
   }
   return truth;
@@ -60,12 +79,15 @@ Answer readAnswer(const std::filesystem::path& file) {
   const nlohmann::json json = readJson(file);
   Answer answer;
   for (const nlohmann::json& item : json.at("findings")) {
-    Finding finding{readNamed(item), "", {}, {}};
+    Finding finding;
+    static_cast<Named&>(finding) = readNamed(item);
     if (item.contains("driver") && item["driver"].is_string()) finding.driver = item["driver"].get<std::string>();
     if (item.contains("alternatives")) {
       for (const nlohmann::json& other : item["alternatives"]) finding.alternatives.push_back(readNamed(other));
     }
     if (item.contains("parameters") && item["parameters"].contains("scale")) finding.size = item["parameters"]["scale"].get<double>();
+    if (item.contains("parameters")) finding.parameters = readNumbers(item["parameters"]);
+    if (item.contains("standard_deviation")) finding.deviations = readNumbers(item["standard_deviation"]);
     answer.findings.push_back(finding);
   }
   if (json.contains("not_testable")) {

@@ -18,12 +18,15 @@ struct TrueEffect {
   double left_by_nearest = 0.0;      ///< S that the nearest other listed effect, no alias, leaves of it
   double size = 0.0;                 ///< of target_scale
   std::vector<std::string> aliases;  ///< places that are the same thing in this cell
+  /// By the contract's names, without those that say when or which.
+  std::map<std::string, double> parameters;
   bool is(const std::string& place) const;
 };
 
 struct Truth {
   std::filesystem::path folder;  ///< of the case; capture/, unseen/ and out/ are in it
   std::string set;
+  std::string recording;  ///< real one that the effect was brought into; empty for cells
   std::vector<TrueEffect> effects;
   std::vector<std::string> silent;
   std::vector<std::string> wild;
@@ -45,6 +48,7 @@ struct Finding : Named {
   std::string driver;
   std::vector<Named> alternatives;
   std::optional<double> size;  ///< parameter `scale`
+  std::map<std::string, double> parameters, deviations;
 };
 
 /// What diagnosis.json says.

@@ -10,17 +10,21 @@
 
 #include "withheld/baselines.hpp"
 #include "withheld/case.hpp"
+#include "withheld/injected.hpp"
 
 int main(int argc, char** argv) {
-  std::string set = "single", folder;
+  std::string set = "single", folder, real;
   std::uint64_t seed = 1, cases = 10;
   unsigned jobs = 1;
   bool compare = false;
   CLI::App app("Makes cases of the withheld world: DIR/NNNN/capture for poecal, DIR/NNNN/unseen and DIR/NNNN.truth.json for the scorer");
-  app.add_option("--set", set, "Which set")->check(CLI::IsMember(withheld::setNames()))->required();
+  std::vector<std::string> sets = withheld::setNames();
+  sets.emplace_back(withheld::kInjectedSet);
+  app.add_option("--set", set, "Which set")->check(CLI::IsMember(sets))->required();
   app.add_option("--cases", cases, "How many")->required();
   app.add_option("--seed", seed, "The same seed gives the same cases")->required();
   app.add_option("--out", folder, "Where to")->required();
+  app.add_option("--real", real, "Folder of the real recordings, for the set injected");
   app.add_flag("--baselines", compare, "Notes beside the truth what simple diagnoses would have said");
   app.add_option("--jobs", jobs, "Threads")->check(CLI::Range(1, 64));
   CLI11_PARSE(app, argc, argv);
@@ -31,6 +35,10 @@ int main(int argc, char** argv) {
   const auto work = [&] {
     try {
       for (std::uint64_t number = next++; number < cases; number = next++) {
+        if (set == withheld::kInjectedSet) {
+          withheld::writeInjectedCase(real, seed, number, folder);
+          continue;
+        }
         withheld::Case made = withheld::makeCase(set, seed, number);
         if (compare) made.baselines = withheld::baselines(made);
         withheld::writeCase(made, folder);
