@@ -21,7 +21,6 @@ constexpr double kDetectableChiSquare = 36.0;
 // An effect that would have to be so many times its usual size is none that these data can test.
 constexpr double kAbsurdSize = 30.0;
 constexpr std::size_t kFewestPoses = 12;
-constexpr std::size_t kMostFindings = 4;
 
 MeasuredCell measuredCell(const Identification& identification, const std::vector<Observation>& observations,
                           const std::vector<Sample>& samples, const Target& target, const Eigen::Vector3d& gravity,
@@ -439,17 +438,25 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
   }
   const ModelState state = identifiedState(identification, measured);
   const std::vector<std::size_t> wild = grosslyWild(identification, measured);
-  // A curve of unknown shape that does not serve poses which it did not see is none that could be told of, nor is what came after it.
-  for (std::size_t most = kMostFindings;;) {
-    const Selection selection = selectEffects(measured, state, wild, other_columns, most);
+  // A curve of unknown shape that does not serve poses which it did not see is none that could be told of, nor is what came after it. Where
+  // it is the first, what has a name may still serve; names that do not either are not given in its place.
+  for (SearchLimits limits;;) {
+    const Selection selection = selectEffects(measured, state, wild, other_columns, limits);
     Diagnosis diagnosis = told(selection, identification, options);
-    const auto useless = std::find_if(diagnosis.findings.begin(), diagnosis.findings.end(),
-                                      [](const Finding& finding) { return finding.effect == "unknown" && !finding.shrinkage.claimed(); });
+    const auto useless = std::find_if(diagnosis.findings.begin(), diagnosis.findings.end(), [&limits](const Finding& finding) {
+      const bool has_size = finding.effect != "joint_scatter";
+      return has_size && (finding.effect == "unknown" || !limits.curves) && !finding.shrinkage.claimed();
+    });
     if (useless == diagnosis.findings.end()) {
       tellBad(selection, observations, samples, diagnosis);
       return diagnosis;
     }
-    most = static_cast<std::size_t>(useless - diagnosis.findings.begin());
+    const bool first = useless == diagnosis.findings.begin();
+    if (first && limits.curves) {
+      limits.curves = false;
+    } else {
+      limits.most = static_cast<std::size_t>(useless - diagnosis.findings.begin());
+    }
   }
 }
 

@@ -81,6 +81,8 @@ void Ladder::addErrors(const Linearised& at, const Groups& test, const std::vect
         pose.squares += r.segment<2>(2 * static_cast<Eigen::Index>(j)).squaredNorm() * part.unit_sigma[j] * part.unit_sigma[j];
         pose.points += 1.0;
       }
+      constexpr std::size_t kOfAPose = 4;  // corners that a pose of its own takes
+      if (observation.corners.size() < kOfAPose) continue;
       const PlainSight plain = plainSight(selection_.measured, at.state, part);
       const FreePose free = refinePose(*plain.cell.camera, plain.observation, part.ports.T_camera_target);
       const Registration& registration = at.state.cell.cell.registration;

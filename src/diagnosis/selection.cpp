@@ -12,8 +12,8 @@ namespace {
 
 // Logs of odds. That there is anything: without an effect 1 capture in 200 reaches 0.5 for all explanations together.
 constexpr double kAnything = 1.0;
-constexpr double kBeside = 4.5;  // of another finding beside the first
-constexpr double kNeeded = 2.5;  // of each of several, with all others in
+constexpr double kBeside = 4.5;            // of another finding beside the first
+constexpr double kNeeded = 2.5;            // of each of several, with all others in
 constexpr double kScatterShare = 0.2;      // prior share of joints that move at random
 constexpr double kRelativeMisfit = 0.005;  // of an explanation's chi-square that its own imprecision may leave: 7 % of its size
 constexpr std::size_t kShortlist = 8, kCurveShortlist = 4;
@@ -55,13 +55,16 @@ double scatterScore(const WhiteResidual& white, const NoiseComponent& joint) {
 /// Ranks all explanations at a linearisation that has its noise.
 class Ranker {
  public:
-  Ranker(const MeasuredCell& measured, const std::vector<Candidate>& candidates) : measured_(measured), candidates_(candidates) {}
+  /// @param curves  whether curves of unknown shape may be answers.
+  Ranker(const MeasuredCell& measured, const std::vector<Candidate>& candidates, bool curves)
+      : measured_(measured), candidates_(candidates), curves_(curves) {}
 
   Ranking rank(const Linearised& linear, const std::vector<std::string>& taken) const {
     Ranking ranking;
     ranking.screened = screen(linear, candidates_);
     std::map<std::string, std::vector<std::size_t>> by_answer;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (!curves_ && !candidates_[i].known()) continue;
       if (std::find(taken.begin(), taken.end(), candidates_[i].answer()) == taken.end()) by_answer[candidates_[i].answer()].push_back(i);
     }
     for (auto& [name, members] : by_answer) {
@@ -88,9 +91,7 @@ class Ranker {
     sharpen(linear, ranking);
     addScatter(linear, taken, ranking);
     sort(ranking);
-    std::vector<double> weights;
-    for (const RankedAnswer& answer : ranking.answers) weights.push_back(answer.log_weight);
-    ranking.log_total = logSumExp(weights);
+    ranking.sumUp();
     return ranking;
   }
 
@@ -142,6 +143,7 @@ class Ranker {
 
   const MeasuredCell& measured_;
   const std::vector<Candidate>& candidates_;
+  bool curves_;
   mutable std::map<std::string, double> starts_;
 };
 
@@ -159,8 +161,8 @@ std::size_t chosenAnswer(const Ranking& ranking) {
 
 class Selector {
  public:
-  Selector(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns, std::size_t most)
-      : other_columns_(other_columns), most_(most) {
+  Selector(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns, const SearchLimits& limits)
+      : other_columns_(other_columns), limits_(limits) {
     selection_.measured = measured;
     selection_.base = state;
     selection_.kept.resize(measured.observations.size());
@@ -181,7 +183,7 @@ class Selector {
         selection_.base_evidence = ranking.screened;
         selection_.base_ranking = ranking;
       }
-      if (selection_.findings.size() < most_ && accept(ranking)) {
+      if (selection_.findings.size() < limits_.most && accept(ranking)) {
         settle();
         continue;
       }
@@ -206,7 +208,7 @@ class Selector {
   // Before any effect is known only what no effect does to a single pose; at the end what chance does not do once in ten million captures.
   static constexpr Wild kWildAtOnce{150.0, 1e-30}, kWildAtLast{8.0, 1e-9};
 
-  Ranker ranker() const { return Ranker(selection_.measured, selection_.candidates); }
+  Ranker ranker() const { return Ranker(selection_.measured, selection_.candidates, limits_.curves); }
 
   void listCandidates() {
     CandidateList list = allCandidates(selection_.measured, linear_.state, other_columns_);
@@ -276,9 +278,15 @@ class Selector {
     // Explanations that are hard to tell apart speak together for there being something.
     if (!((first ? ranking.log_total : answer.log_weight) > needed)) return false;
     take(ranking, chosen);
-    if (const std::optional<std::size_t> curve = curveThatExplainsMore(ranking, answer)) {
+    if (!limits_.curves) return true;
+    const double left = structureLeftAt(answer);
+    if (const std::optional<std::size_t> curve = curveThatExplainsMore(ranking, answer, left)) {
       selection_.findings.pop_back();
-      take(ranking, *curve);
+      // What is left beside the named one speaks against its being all that there is.
+      Ranking judged = ranking;
+      judged.answers[chosen].log_weight -= left;
+      judged.sumUp();
+      take(judged, *curve);
     }
     return true;
   }
@@ -291,17 +299,22 @@ class Selector {
     refitAll();
   }
 
-  /// A named effect is not the cause where, with it in, a curve at the same place still finds structure: it is the nearest shape that has a
-  /// name. @return the answer to give instead: the best curve there.
-  std::optional<std::size_t> curveThatExplainsMore(const Ranking& ranking, const RankedAnswer& named) const {
-    if (named.name == "unknown") return {};
+  /// Log of the odds that a curve at a named effect's place still finds something with the effect in; 0 where there is nothing to say.
+  double structureLeftAt(const RankedAnswer& named) const {
+    if (named.name == "unknown") return 0.0;
     std::vector<Candidate> there;
     for (const Candidate& candidate : selection_.candidates) {
       if (!candidate.known() && candidate.location == named.location) there.push_back(candidate);
     }
-    constexpr double kStructure = 3.0;  // log of the odds that something is left there
     double left = 0.0;
     for (const Evidence& evidence : screen(linear_, there)) left = std::max(left, evidence.log_bayes);
+    return left;
+  }
+
+  /// A named effect is not the cause where, with it in, a curve at the same place still finds structure: it is the nearest shape that has a
+  /// name. @return the answer to give instead: the best curve there.
+  static std::optional<std::size_t> curveThatExplainsMore(const Ranking& ranking, const RankedAnswer& named, double left) {
+    constexpr double kStructure = 3.0;
     if (!(left > kStructure + kRelativeMisfit * named.chi_square)) return {};
     for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
       const RankedAnswer& answer = ranking.answers[i];
@@ -477,10 +490,16 @@ class Selector {
   Selection selection_;
   Linearised linear_;
   std::vector<std::string> other_columns_;
-  std::size_t most_;
+  SearchLimits limits_;
 };
 
 }  // namespace
+
+void Ranking::sumUp() {
+  std::vector<double> weights;
+  for (const RankedAnswer& answer : answers) weights.push_back(answer.log_weight);
+  log_total = logSumExp(weights);
+}
 
 double Ranking::probability(std::size_t answer) const {
   // None weighs one.
@@ -491,8 +510,8 @@ double Ranking::probability(std::size_t answer) const {
 double Ranking::pValue() const { return std::min(1.0, std::exp(-log_total)); }
 
 Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
-                        const std::vector<std::string>& other_columns, std::size_t most) {
-  return Selector(measured, state, other_columns, most).run(wild);
+                        const std::vector<std::string>& other_columns, const SearchLimits& limits) {
+  return Selector(measured, state, other_columns, limits).run(wild);
 }
 
 }  // namespace poecal

@@ -27,6 +27,8 @@ struct Ranking {
   double log_total = 0.0;          ///< log of the sum of all weights against none
   std::vector<Evidence> screened;  ///< of the candidates, in their order
 
+  /// Sets log_total.
+  void sumUp();
   /// Posterior share of an answer among all, none included.
   double probability(std::size_t answer) const;
   /// Bound of the probability that none would look so (Ville): 1 / total evidence.
@@ -56,11 +58,15 @@ struct Selection {
   MeasuredCell measured;                ///< without the bad ones
 };
 
+struct SearchLimits {
+  std::size_t most = 4;  ///< findings at which to stop
+  bool curves = true;    ///< whether a curve of unknown shape may be an answer
+};
+
 /// Searches. @param state  the identified cell. @param wild  observations that a robust fit left out by far; they are left out from the
-/// start unless they are a run in time. @param other_columns  names of further columns of the samples. @param most  findings at which to
-/// stop.
+/// start unless they are a run in time. @param other_columns  names of further columns of the samples.
 Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
-                        const std::vector<std::string>& other_columns, std::size_t most);
+                        const std::vector<std::string>& other_columns, const SearchLimits& limits);
 
 /// A state re-fitted with what was accepted, at a noise: Gauss-Newton on the exact residuals.
 /// @param groups  poses to fit; empty: all.
