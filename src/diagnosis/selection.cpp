@@ -127,7 +127,7 @@ class Ranker {
       constexpr double kWorthTrying = 0.0;
       // Joints are not all alike, and good ones come back to some 1e-5 rad: one is beyond that where it moves twice as far as they do
       // together, and farther than any catalogue allows.
-      constexpr double kBeyond = 3.0, kUsual = 2e-5;
+      constexpr double kBeyond = 3.0, kUsual = 4e-5;
       if (scatterScore(white, jointScatter(linear.rows, k, 1.0)) < kWorthTrying) continue;
       answer.exact = scatterEvidence(linear, measured_, k);
       const bool slides = measured_.start.arm->joints[k].type == JointType::kPrismatic;
