@@ -53,7 +53,8 @@ std::vector<std::pair<double, double>> scanned(const EffectParameter& parameter,
   return values;
 }
 
-/// Columns of what wrong masses leave out: 15 % of each mass and its moment, and a centimetre of its place, times the compliance.
+/// Columns of what wrong masses leave out: 15 % of each mass and its moment, and a centimetre of its place, times the compliance; for each
+/// way that the effect yields.
 void addMassErrors(const Cell& cell, Candidate& candidate) {
   const Effect& effect = *candidate.effect;
   if (!effect.kind().yields_to_gravity || effect.byMasses()) return;
@@ -63,12 +64,16 @@ void addMassErrors(const Cell& cell, Candidate& candidate) {
   candidate.mass_errors =
       makeEffect({.effect = effect.name(), .location = effect.location(), .driver = effect.driver()}, weightless).effect;
   std::vector<double> typical(candidate.typical.begin(), candidate.typical.end());
-  for (std::size_t body = effect.index(); body < cell.arm->links.size(); ++body) {
-    const LinkMass& link = cell.arm->links[body];
-    typical.push_back(candidate.typical(0) * kMassError * link.mass);
-    for (int axis = 0; axis < 3; ++axis) {
-      typical.push_back(candidate.typical(0) * link.mass * std::hypot(kMassError * link.com(axis), kPlaceError));
+  const std::size_t of_all = typical.size() + candidate.mass_errors->parameters().size();
+  while (typical.size() < of_all) {
+    for (std::size_t body = effect.index(); body < cell.arm->links.size(); ++body) {
+      const LinkMass& link = cell.arm->links[body];
+      typical.push_back(candidate.typical(0) * kMassError * link.mass);
+      for (int axis = 0; axis < 3; ++axis) {
+        typical.push_back(candidate.typical(0) * link.mass * std::hypot(kMassError * link.com(axis), kPlaceError));
+      }
     }
+    typical.push_back(candidate.typical(0) * kMassError);  // of the payload
   }
   candidate.typical = Eigen::Map<Eigen::VectorXd>(typical.data(), static_cast<Eigen::Index>(typical.size()));
 }

@@ -81,17 +81,22 @@ std::string unitAt(const std::string& unit, const std::string& driver, bool slid
   return timed.starts_with("rad/(N m)") ? replaced(timed, "rad/(N m)", "m/N") : replaced(timed, "rad", "m");
 }
 
-/// Compliance times the masses of every body that the place carries; see Effect::byMasses.
+/// Compliance times the masses of every body that the place carries, and the compliance as a payload shows it; see Effect::byMasses. Where
+/// a kind yields in two ways (compliance and difference), all of them for each way.
 std::vector<EffectParameter> massParameters(const EffectKind& kind, std::size_t index, const Arm& arm) {
   constexpr double kTypicalMass = 5.0;    // [kg]
   constexpr double kTypicalMoment = 1.5;  // [kg m]
   const EffectParameter& compliance = kind.parameters.front();
+  const std::vector<std::string> ways = kind.parameters.size() > 1 ? std::vector<std::string>{"_a", "_b"} : std::vector<std::string>{""};
   std::vector<EffectParameter> parameters;
-  for (std::size_t body = index; body < arm.joints.size(); ++body) {
-    parameters.push_back({fmt::format("m{}", body + 1), compliance.unit + " kg", kTypicalMass * compliance.typical});
-    for (const char* axis : {"mx", "my", "mz"}) {
-      parameters.push_back({fmt::format("{}{}", axis, body + 1), compliance.unit + " kg m", kTypicalMoment * compliance.typical});
+  for (const std::string& way : ways) {
+    for (std::size_t body = index; body < arm.joints.size(); ++body) {
+      parameters.push_back({fmt::format("m{}{}", body + 1, way), compliance.unit + " kg", kTypicalMass * compliance.typical});
+      for (const char* axis : {"mx", "my", "mz"}) {
+        parameters.push_back({fmt::format("{}{}{}", axis, body + 1, way), compliance.unit + " kg m", kTypicalMoment * compliance.typical});
+      }
     }
+    parameters.push_back({"payload" + way, compliance.unit, compliance.typical});
   }
   return parameters;
 }
@@ -213,7 +218,8 @@ AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell) {
   Eigen::VectorXd parameters = effect.start();
   for (const auto& [name, value] : spec.parameters) parameters(effect.parameterIndex(name)) = value;
   for (const EffectParameter& parameter : effect.parameters()) {
-    if (parameter.role != ParameterRole::kLinear && parameter.name != "seed" && parameter.name != "reference" && !spec.parameters.contains(parameter.name)) {
+    if (parameter.role != ParameterRole::kLinear && parameter.name != "seed" && parameter.name != "reference" &&
+        !spec.parameters.contains(parameter.name)) {
       throw InvalidArgument(fmt::format("{} needs its parameter '{}'", kind.name, parameter.name));
     }
   }

@@ -8,7 +8,8 @@ namespace {
 void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
                    Disturbance& disturbance) {
   const auto k = static_cast<Eigen::Index>(effect.index());
-  jointPort(effect, disturbance) += amount * (effect.byMasses() ? context.torque_by_masses(k, massColumn(effect, i)) : context.torque(k));
+  jointPort(effect, disturbance) +=
+      amount * (effect.byMasses() ? context.torque_by_masses(k, massColumn(effect, i, context)) : context.torque(k));
 }
 
 }  // namespace

@@ -10,11 +10,15 @@ void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&,
   const Joint& joint = armOf(context).joints[effect.index()];
   const Eigen::Matrix<double, 3, 2> across = acrossAxis(joint);
   const std::size_t k = effect.index();
-  const Eigen::Vector3d moment = effect.byMasses() ? Eigen::Vector3d(context.moment_body_by_masses[k].col(massColumn(effect, i)))
+  const Eigen::Vector3d moment = effect.byMasses() ? Eigen::Vector3d(context.moment_body_by_masses[k].col(massColumn(effect, i, context)))
                                                    : Eigen::Vector3d(context.moment_body.col(static_cast<Eigen::Index>(k)));
   Eigen::Vector2d bending = across.transpose() * moment;
-  const bool is_difference = i == 1 && !effect.byMasses();
-  if (is_difference) bending.y() = -bending.y();
+  if (effect.byMasses()) {
+    const bool about_b = 2 * i >= static_cast<Eigen::Index>(effect.parameters().size());
+    bending(about_b ? 0 : 1) = 0.0;
+  } else if (i == 1) {
+    bending.y() = -bending.y();
+  }
   disturbance.links[effect.index()] += amount * rotationAbout(across * bending, joint.anchor);
 }
 

@@ -14,14 +14,25 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSecondsInAnHour = 3600.0;
 
+/// A regressor by masses with one column more: what the sample's payload does, a known mass at the flange's origin.
+Eigen::MatrixXd withPayload(const Eigen::MatrixXd& by_masses, const ArmChain& chain, double payload) {
+  Eigen::Vector4d numbers;
+  numbers << payload, payload * (chain.P.back().inverse() * chain.T_base_flange.translation());
+  Eigen::MatrixXd all(by_masses.rows(), by_masses.cols() + 1);
+  all << by_masses, by_masses.rightCols<4>() * numbers;
+  return all;
+}
+
 void addGravity(const CaptureContext& capture, SampleContext& context) {
   const Arm& arm = *capture.cell.arm;
   const auto n = static_cast<Eigen::Index>(arm.joints.size());
   const ArmChain chain = forwardChain(arm, context.sample.q);
-  context.torque_by_masses = gravityRegressor(arm, chain, capture.gravity);
-  context.base_moment_by_masses = baseMomentRegressor(arm, chain, capture.gravity);
+  const double payload = context.sample.payload.value_or(0.0);
+  context.torque_by_masses = withPayload(gravityRegressor(arm, chain, capture.gravity), chain, payload);
+  context.base_moment_by_masses = withPayload(baseMomentRegressor(arm, chain, capture.gravity), chain, payload);
   for (std::size_t k = 0; k < arm.joints.size(); ++k) {
-    context.moment_body_by_masses.push_back(chain.P[k + 1].linear().transpose() * carriedMomentRegressor(arm, chain, capture.gravity, k));
+    const Eigen::MatrixXd in_base = withPayload(carriedMomentRegressor(arm, chain, capture.gravity, k), chain, payload);
+    context.moment_body_by_masses.push_back(chain.P[k + 1].linear().transpose() * in_base);
   }
   if (arm.links.empty()) {
     context.torque = Eigen::VectorXd::Constant(n, kNaN);
@@ -29,7 +40,7 @@ void addGravity(const CaptureContext& capture, SampleContext& context) {
     context.base_moment.setConstant(kNaN);
     return;
   }
-  const GravityLoad load = gravityLoad(arm, chain, capture.gravity, context.sample.payload.value_or(0.0));
+  const GravityLoad load = gravityLoad(arm, chain, capture.gravity, payload);
   context.torque = load.torque;
   context.base_moment = load.base.head<3>();
   context.moment_body.resize(3, n);

@@ -30,7 +30,7 @@ std::vector<EffectParameter> twistParameters(double rotation, double translation
 std::vector<EffectParameter> slipParameters(double rotation, double translation);
 
 /// Where the masses are not known: the column of parameter i in the context's functions of the masses.
-Eigen::Index massColumn(const Effect& effect, Eigen::Index i);
+Eigen::Index massColumn(const Effect& effect, Eigen::Index i, const SampleContext& context);
 
 /// When or at which temperature a drift is zero; where it is left out, at the first sample.
 EffectParameter driftReference();

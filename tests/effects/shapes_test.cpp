@@ -200,22 +200,28 @@ TEST_F(Shapes, BadSamplesAreTheirShare) {
 
 TEST_F(Shapes, UnknownMassesAreParameters) {
   // What a known compliance and known masses do, the masses' own numbers times the compliance do at an arm that has none.
-  constexpr double kCompliance = 2e-5;
+  constexpr double kCompliance = 2e-5, kDifference = 7e-6;
+  for (Sample& sample : rich_.samples) sample.payload = 1.5;
   const std::vector<LinkMass> links = rich_.cell.arm->links;
   const AppliedEffect known[] = {effectOf(rich_, "joint_compliance", "joint:2", {{"compliance", kCompliance}}),
-                                 effectOf(rich_, "link_bending", "link:3", {{"compliance", kCompliance}}),
+                                 effectOf(rich_, "link_bending", "link:3", {{"compliance", kCompliance}, {"difference", kDifference}}),
                                  effectOf(rich_, "base_compliance", "base", {{"compliance", kCompliance}})};
   test::RichCell bare = rich_;
   bare.cell.arm->links.clear();
   bare.capture = makeCaptureContext(bare.cell, bare.target, rich_.capture->gravity, bare.samples);
   for (const AppliedEffect& effect : known) {
+    std::map<std::string, double> ways{{"", kCompliance}};
+    if (effect.effect.name() == "link_bending") ways = {{"_a", kCompliance + kDifference}, {"_b", kCompliance - kDifference}};
     std::map<std::string, double> numbers;
-    for (std::size_t body = effect.effect.index(); body < links.size(); ++body) {
-      const std::string number = std::to_string(body + 1);
-      numbers["m" + number] = kCompliance * links[body].mass;
-      numbers["mx" + number] = kCompliance * links[body].mass * links[body].com.x();
-      numbers["my" + number] = kCompliance * links[body].mass * links[body].com.y();
-      numbers["mz" + number] = kCompliance * links[body].mass * links[body].com.z();
+    for (const auto& [way, compliance] : ways) {
+      for (std::size_t body = effect.effect.index(); body < links.size(); ++body) {
+        const std::string number = std::to_string(body + 1) + way;
+        numbers["m" + number] = compliance * links[body].mass;
+        numbers["mx" + number] = compliance * links[body].mass * links[body].com.x();
+        numbers["my" + number] = compliance * links[body].mass * links[body].com.y();
+        numbers["mz" + number] = compliance * links[body].mass * links[body].com.z();
+      }
+      numbers["payload" + way] = compliance;
     }
     const AppliedEffect by_masses = effectOf(bare, effect.effect.name(), effect.effect.location(), numbers);
     EXPECT_TRUE(by_masses.effect.byMasses());

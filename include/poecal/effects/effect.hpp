@@ -68,7 +68,8 @@ class Effect {
   /// The contract's word for what drives it: "q3", "tau3", "stamp", ...
   const std::string& driver() const { return driver_; }
   /// It hangs on loads whose masses nobody knows: its parameters are then compliance times (m, m com) of each body that the place carries,
-  /// named m3, mx3, my3, mz3. What they make of the configuration is all that gravity can do to an arm of any masses.
+  /// named m3, mx3, my3, mz3, and `payload`, the compliance as a known payload shows it; of a link once about each axis across its
+  /// joint's, m3_a and m3_b. What they make of the configuration is all that gravity can do to an arm of any masses.
   bool byMasses() const { return by_masses_; }
   const EffectKind& kind() const { return *kind_; }
   const std::vector<EffectParameter>& parameters() const { return parameters_; }

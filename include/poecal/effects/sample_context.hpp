@@ -46,7 +46,7 @@ struct SampleContext {
   Eigen::Matrix3Xd moment_body;
   /// Moment of gravity on the whole arm about the origin of base, in base [N m]; NaN likewise.
   Eigen::Vector3d base_moment = Eigen::Vector3d::Zero();
-  /// The same three by each body's (m, m com): n x 4n, n of 3 x 4n and 3 x 4n.
+  /// The same three by each body's (m, m com), and last the part of the sample's payload: n x (4n + 1), n of 3 x (4n + 1), 3 x (4n + 1).
   Eigen::MatrixXd torque_by_masses;
   std::vector<Eigen::MatrixXd> moment_body_by_masses;
   Eigen::MatrixXd base_moment_by_masses;
