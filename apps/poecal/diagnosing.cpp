@@ -21,6 +21,14 @@ DiagnoseOptions diagnoseOptions(const IdentifyOptions& options) {
   return diagnose;
 }
 
+/// To all poses, as the diagnosis holds out poses itself.
+IdentifyOptions startOptions(IdentifyOptions options) {
+  options.hold_out_every = 0;
+  options.camera = CameraChoice::kAuto;
+  options.allow_still_joints = true;
+  return options;
+}
+
 Diagnosing finish(Diagnosis diagnosis, const std::vector<Sample>& samples, const std::filesystem::path& out) {
   Diagnosing result;
   const std::string report = diagnosisJson(diagnosis, samples);
@@ -34,13 +42,14 @@ Diagnosing finish(Diagnosis diagnosis, const std::vector<Sample>& samples, const
 
 }  // namespace
 
-Identification diagnosisStart(const CaptureInputs& inputs, IdentifyOptions options, const Identification* identification) {
+Identification diagnosisStart(const CaptureInputs& inputs, const IdentifyOptions& options, const Identification* identification) {
   const bool lens_stated = inputs.camera.standard_deviation.size() > 0;
   if (identification != nullptr && (lens_stated || !identification->free.intrinsics)) return *identification;
-  options.hold_out_every = 0;
-  options.camera = CameraChoice::kAuto;
-  options.allow_still_joints = true;
-  return identifyInputs(inputs, options);
+  return identifyInputs(inputs, startOptions(options));
+}
+
+Identification diagnosisStart(const Arm& arm, const PoseTable& table, const IdentifyOptions& options) {
+  return identifyTable(arm, table, startOptions(options));
 }
 
 Diagnosing diagnoseCapture(const CaptureInputs& inputs, const Identification& start, const IdentifyOptions& options,

@@ -19,7 +19,9 @@ struct Diagnosing {
 /// The fit that a diagnosis of a capture starts from: to all poses, as the diagnosis holds out poses itself, and with a lens of unstated
 /// deviations taken as stated: that it is wrong is for the diagnosis to say.
 /// @param identification  of the capture, where it was done already; it serves where it is such a fit.
-Identification diagnosisStart(const CaptureInputs& inputs, IdentifyOptions options, const Identification* identification = nullptr);
+Identification diagnosisStart(const CaptureInputs& inputs, const IdentifyOptions& options, const Identification* identification = nullptr);
+/// The same of poses of an instrument.
+Identification diagnosisStart(const Arm& arm, const PoseTable& table, const IdentifyOptions& options);
 
 /// Diagnoses a capture; writes OUT/diagnosis.json, and OUT/model.yaml with the effects.
 Diagnosing diagnoseCapture(const CaptureInputs& inputs, const Identification& start, const IdentifyOptions& options,

@@ -106,8 +106,8 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
   return linear;
 }
 
-void setNoise(const MeasuredCell& measured, const NoiseEstimate* from, Linearised& linear) {
-  linear.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, linear.columns, linear.column_prior, from);
+void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearised& linear) {
+  linear.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, linear.columns, linear.column_prior, &from);
 }
 
 std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candidate>& candidates) {

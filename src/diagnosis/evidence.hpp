@@ -35,7 +35,7 @@ struct Linearised {
 Linearised linearise(const MeasuredCell& measured, const ModelState& state, const std::vector<Accepted>& accepted,
                      const std::vector<std::size_t>& scatter, const std::vector<std::vector<std::size_t>>& groups);
 /// The noise of a linearisation, from an earlier estimate where there is one.
-void setNoise(const MeasuredCell& measured, const NoiseEstimate* from, Linearised& linear);
+void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearised& linear);
 
 /// What the rows say of one explanation.
 struct Evidence {

@@ -326,10 +326,6 @@ Whitening::Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>&
 
 Eigen::MatrixXd Whitening::applyTo(std::size_t g, const Eigen::MatrixXd& M) const { return L_[g].triangularView<Eigen::Lower>().solve(M); }
 
-Eigen::MatrixXd Whitening::applyTransposedTo(std::size_t g, const Eigen::MatrixXd& M) const {
-  return L_[g].transpose().triangularView<Eigen::Upper>().solve(M);
-}
-
 Eigen::MatrixXd Whitening::apply(const Eigen::MatrixXd& M) const {
   Eigen::MatrixXd white(M.rows(), M.cols());
   for (std::size_t g = 0; g < L_.size(); ++g) white.middleRows(begin_[g], size(g)) = applyTo(g, M.middleRows(begin_[g], size(g)));

@@ -57,9 +57,8 @@ class Whitening {
   Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta);
   /// L^-1 M, rows of all poses.
   Eigen::MatrixXd apply(const Eigen::MatrixXd& M) const;
-  /// L^-1 M and L^-T M for the rows of pose g.
+  /// L^-1 M for the rows of pose g.
   Eigen::MatrixXd applyTo(std::size_t g, const Eigen::MatrixXd& M) const;
-  Eigen::MatrixXd applyTransposedTo(std::size_t g, const Eigen::MatrixXd& M) const;
   double logDeterminant() const { return log_determinant_; }
   std::size_t poses() const { return L_.size(); }
   int begin(std::size_t g) const { return begin_[g]; }

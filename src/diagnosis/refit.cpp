@@ -43,6 +43,12 @@ struct Place {
   std::vector<Accepted> accepted;
 };
 
+/// An accepted effect's factors as parameters of the effect.
+void enter(const Accepted& one, Eigen::VectorXd& parameters) {
+  for (std::size_t i = 0; i < one.candidate.linear.size(); ++i)
+    parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
+}
+
 /// A state moved by a share of a solution, with the factors of what was accepted.
 Place moved(const MeasuredCell& measured, const Linearised& from, double share) {
   Place place{from.state, from.accepted};
@@ -53,10 +59,7 @@ Place moved(const MeasuredCell& measured, const Linearised& from, double share) 
     const Eigen::Index count = one.factors.size();
     one.factors += share * from.noise.b.segment(begin, count);
     begin += count;
-    if (!one.candidate.known()) continue;
-    Eigen::VectorXd& parameters = place.state.effects[one.effect].parameters;
-    for (std::size_t i = 0; i < one.candidate.linear.size(); ++i)
-      parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
+    if (one.candidate.known()) enter(one, place.state.effects[one.effect].parameters);
   }
   return place;
 }
@@ -75,28 +78,31 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
     if (!one.candidate.known()) continue;
     one.effect = state.effects.size();
     Eigen::VectorXd parameters = one.candidate.parameters;
-    for (std::size_t i = 0; i < one.candidate.linear.size(); ++i)
-      parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
+    enter(one, parameters);
     state.effects.push_back({*one.candidate.effect, parameters});
   }
   constexpr int kMaxSteps = 12;
   constexpr double kSettled = 0.01;   // standard deviations
   constexpr int kNoiseSteps = 2;      // the second sees residuals that no longer change
   constexpr double kShortest = 0.01;  // share of a step below which there is no way down
+  int noises = 0;
+  const auto solve = [&](const NoiseEstimate& from, Linearised& linear) {
+    if (new_noise && noises++ < kNoiseSteps) {
+      setNoise(measured, from, linear);
+    } else {
+      linear.noise = solveAt(measured, linear, from);
+    }
+  };
   Linearised before = linearise(measured, state, accepted, scatter, groups);
-  if (new_noise) {
-    setNoise(measured, &noise, before);
-  } else {
-    before.noise = solveAt(measured, before, noise);
-  }
+  solve(noise, before);
   double share = 1.0;
-  int noises = 1;
   for (int step = 1;; ++step) {
     Place place = moved(measured, before, share);
-    const bool last = largestMove(before.noise) < kSettled || share < kShortest || step > kMaxSteps;
-    if (last) {
+    if (share < kShortest) return before;
+    if (largestMove(before.noise) < kSettled || step > kMaxSteps) {
       // The rows stand where they were linearised; what little moved since is in the solution.
-      if (share >= kShortest) before.state = std::move(place.state), before.accepted = std::move(place.accepted);
+      before.state = std::move(place.state);
+      before.accepted = std::move(place.accepted);
       return before;
     }
     Linearised here = linearise(measured, place.state, place.accepted, scatter, groups);
@@ -104,11 +110,7 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
       share *= 0.5;
       continue;
     }
-    if (new_noise && ++noises <= kNoiseSteps) {
-      setNoise(measured, &before.noise, here);
-    } else {
-      here.noise = solveAt(measured, here, before.noise);
-    }
+    solve(before.noise, here);
     before = std::move(here);
     share = 1.0;
   }

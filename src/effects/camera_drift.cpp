@@ -21,8 +21,8 @@ EffectKind cameraDrift() {
   kind.parameters.push_back(driftReference());
   kind.meaning = "the camera's mount moves steadily";
   kind.formula =
-      "T_camera_near becomes exp(t (rx ry rz tx ty tz)) T_camera_near, t in hours since the reference (the first sample) or kelvin above "
-      "it";
+      "T_camera_near becomes exp(t (rx ry rz tx ty tz)) T_camera_near, "
+      "t in hours since the reference (the first sample) or kelvin above it";
   kind.confused_with = {"camera_slip", "focal_drift", "link_expansion"};
   kind.separate = "a tag that never moves in view; poses in an order unlike time's";
   kind.remedy = "stiffen the camera's mount and let it warm up";

@@ -24,9 +24,8 @@ EffectKind linkExpansion() {
   kind.needs = {Need::kJoints};
   kind.meaning = "the link grows as it warms";
   kind.formula =
-      "body K moves what it carries by expansion t (p_next - p_K), t in kelvin above the reference (the first sample's temperature) or "
-      "hours since it, p "
-      "the anchors of the joints";
+      "body K moves what it carries by expansion t (p_next - p_K), "
+      "t in kelvin above the reference (the first sample's temperature) or hours since it, p the anchors of the joints";
   kind.confused_with = {"camera_drift", "focal_drift", "joint_drift"};
   kind.separate = "a tag that never moves in view, a log of the temperature, a way back down with it";
   kind.remedy = "warm the arm up before work; correct lengths by temperature";

@@ -52,11 +52,9 @@ std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
                    : diagnoseIdentified(inputs, start, readIdentifiedModel(options->identified), options->identify, options->out);
     } else {
       if (!options->identified.empty()) throw InvalidArgument("--identified needs a CAPTURE");
-      options->identify.hold_out_every = 0;
-      options->identify.allow_still_joints = true;
       const Arm arm = readArm(options->source.robot, options->source.base_link, options->source.tip_link);
       const PoseTable table = readPoses(options->source.poses, arm);
-      result = diagnosePoses(table, identifyTable(arm, table, options->identify), options->identify, options->out);
+      result = diagnosePoses(table, diagnosisStart(arm, table, options->identify), options->identify, options->out);
     }
     if (!options->explain.empty()) result.text += explainEffect(result.diagnosis, options->explain);
     printSummary(common, result.text, result.json);
