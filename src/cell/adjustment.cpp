@@ -62,6 +62,10 @@ class Adjuster {
       throw InsufficientData(fmt::format("{} numbers were measured for {} unknowns: more poses are needed", numbers, unbounded));
     }
     if (!observations.empty()) unit_weight_ = UnitWeight(observations.front().unitSize());
+    if (layout_.twists == 0 && layout_.gamma < 0) {
+      held_flanges_.reserve(observations.size());
+      for (const Observation& observation : observations) held_flanges_.push_back(modelFlange(nominal, observation));
+    }
   }
 
   Adjustment run() {
@@ -123,12 +127,20 @@ class Adjuster {
     return deviation;
   }
 
+  /// The flange of observation k where no step moves the arm, otherwise nullptr.
+  const Eigen::Isometry3d* heldFlange(std::size_t k) const { return held_flanges_.empty() ? nullptr : &held_flanges_[k]; }
+
+  Eigen::Isometry3d targetAt(const CellState& state, std::size_t k) const {
+    const Eigen::Isometry3d* flange = heldFlange(k);
+    return flange != nullptr ? state.cell.registration.cameraTarget(*flange) : modelTarget(state.cell, observations_[k]);
+  }
+
   std::vector<std::vector<double>> squaredNorms(const CellState& state) const {
     std::vector<std::vector<double>> squares;
     squares.reserve(observations_.size());
     SampleRows rows;
-    for (const Observation& observation : observations_) {
-      evaluateRows(state.cell, observation, modelTarget(state.cell, observation), false, rows);
+    for (std::size_t k = 0; k < observations_.size(); ++k) {
+      evaluateRows(state.cell, observations_[k], targetAt(state, k), false, rows);
       std::vector<double> of_units(rows.valid.size());
       for (std::size_t unit = 0; unit < of_units.size(); ++unit) {
         of_units[unit] = rows.valid[unit] ? rows.r.segment(static_cast<int>(unit) * rows.unit_size, rows.unit_size).squaredNorm() : kInfinity;
@@ -197,7 +209,7 @@ class Adjuster {
     const int k_count = layout_.total - p;
     SampleRows rows;
     for (std::size_t k = 0; k < observations_.size(); ++k) {
-      const PoseDerivative pose = evaluatePose(state, layout_, observations_[k]);
+      const PoseDerivative pose = evaluatePose(state, layout_, observations_[k], heldFlange(k));
       evaluateRows(state.cell, observations_[k], pose.T_camera_target, intrinsics, rows);
       for (std::size_t unit = 0; unit < rows.valid.size(); ++unit) {
         const double root = rows.valid[unit] ? std::sqrt(weights_[k][unit]) : 0.0;
@@ -324,6 +336,7 @@ class Adjuster {
   ParameterLayout layout_;
   Cell start_;
   CellState state_;
+  std::vector<Eigen::Isometry3d> held_flanges_;  ///< of each observation, where the arm is held; otherwise empty
   Eigen::VectorXd sigma_prior_;
   Weights weights_;
   UnitWeight unit_weight_{2};

@@ -124,13 +124,16 @@ void evaluateRows(const Cell& cell, const Observation& observation, const Eigen:
   }
 }
 
-PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation) {
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation,
+                            const Eigen::Isometry3d* held_flange) {
   PoseDerivative derivative;
   derivative.M.resize(6, layout.pose_parameters);
   const Registration& registration = state.cell.registration;
   ArmChain chain;
   Eigen::Isometry3d T_base_flange;
-  if (state.cell.arm) {
+  if (held_flange != nullptr) {
+    T_base_flange = *held_flange;
+  } else if (state.cell.arm) {
     chain = forwardChain(*state.cell.arm, observation.q);
     T_base_flange = chain.T_base_flange;
   } else {
