@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -254,64 +255,79 @@ void clear(Disturbance& disturbance) {
   for (Eigen::Vector2d& pixel : disturbance.pixels) pixel.setZero();
 }
 
-Eigen::MatrixXd effectColumns(const Candidate& candidate, const CaptureRows& rows) {
-  Eigen::MatrixXd columns(rows.size(), candidate.typical.size());
-  const Eigen::VectorXd no_masses = candidate.mass_errors ? candidate.mass_errors->start() : Eigen::VectorXd();
-  for (const ObservationRows& part : rows.observations) {
-    Disturbance direction = Disturbance::zero(part.context.capture->cell, part.context.points.size());
-    Eigen::Index column = 0;
-    const auto add = [&](const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters) {
-      effect.addDerivative(i, parameters, part.context, 1.0, direction);
-      columns.block(part.begin, column++, part.size, 1) = part.along(direction);
-      clear(direction);
-    };
-    for (const Eigen::Index i : candidate.linear) add(*candidate.effect, i, candidate.parameters);
-    for (Eigen::Index i = 0; i < no_masses.size(); ++i) add(*candidate.mass_errors, i, no_masses);
-  }
-  return columns;
+/// Numbers of an action in one observation.
+Eigen::Index actionSize(const Entry& entry, const ObservationRows& part) {
+  constexpr Eigen::Index kPoseSize = 6;
+  if (entry.reach == Reach::kJoint) return 1;
+  return entry.reach == Reach::kPose ? kPoseSize : part.size;
 }
 
-Eigen::MatrixXd lensColumns(const Curve& curve, Eigen::Index count, const CaptureRows& rows) {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows.size(), count);
-  for (const ObservationRows& part : rows.observations) {
-    const Camera& camera = *part.context.capture->cell.camera;
-    for (std::size_t point = 0; point < part.context.points.size(); ++point) {
-      const Eigen::Vector2d px = part.context.points[point].px;
-      if (!px.allFinite()) continue;
-      const double u = px.x() / camera.width, v = px.y() / camera.height;
-      Eigen::Index column = 0;
-      for (int i = 0; i <= curve.orders; ++i) {
-        for (int j = 0; i + j <= curve.orders; ++j) {
-          if (i + j == 0) continue;
-          const double wave = std::cos(M_PI * i * u) * std::cos(M_PI * j * v) / part.unit_sigma[point];
-          const auto row = part.begin + 2 * static_cast<Eigen::Index>(point);
-          columns(row, column++) = wave;
-          columns(row + 1, column++) = wave;
-        }
+/// Actions of an effect, one observation after the other.
+class EffectActions {
+ public:
+  explicit EffectActions(const Candidate& candidate) : candidate_(candidate), entry_(candidate.entry()) {}
+
+  void of(const ObservationRows& part, Eigen::Ref<Eigen::MatrixXd> action) {
+    const std::size_t points = entry_.reach == Reach::kPicture ? part.context.points.size() : 0;
+    if (direction_.joints.size() == 0 || direction_.points.size() != points) {
+      direction_ = Disturbance::zero(part.context.capture->cell, points);
+    }
+    Eigen::Index column = 0;
+    for (const Eigen::Index i : candidate_.linear) add(*candidate_.effect, i, candidate_.parameters, part, action.col(column++));
+    if (!candidate_.mass_errors) return;
+    const Eigen::VectorXd& none = candidate_.mass_errors->start();
+    for (Eigen::Index i = 0; i < none.size(); ++i) add(*candidate_.mass_errors, i, none, part, action.col(column++));
+  }
+
+ private:
+  void add(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters, const ObservationRows& part,
+           Eigen::Ref<Eigen::VectorXd> action) {
+    effect.addDerivative(i, parameters, part.context, 1.0, direction_);
+    if (entry_.reach == Reach::kJoint) {
+      action(0) = std::exchange(direction_.joints(static_cast<Eigen::Index>(entry_.joint)), 0.0);
+      return;
+    }
+    action = entry_.reach == Reach::kPose ? Eigen::VectorXd(part.ports.along(direction_)) : part.along(direction_);
+    clear(direction_);
+  }
+
+  const Candidate& candidate_;
+  Entry entry_;
+  Disturbance direction_;
+};
+
+void lensAction(const Curve& curve, const ObservationRows& part, Eigen::Ref<Eigen::MatrixXd> action) {
+  const Camera& camera = *part.context.capture->cell.camera;
+  action.setZero();
+  for (std::size_t point = 0; point < part.context.points.size(); ++point) {
+    const Eigen::Vector2d px = part.context.points[point].px;
+    if (!px.allFinite()) continue;
+    const double u = px.x() / camera.width, v = px.y() / camera.height;
+    Eigen::Index column = 0;
+    for (int i = 0; i <= curve.orders; ++i) {
+      for (int j = 0; i + j <= curve.orders; ++j) {
+        if (i + j == 0) continue;
+        const double wave = std::cos(M_PI * i * u) * std::cos(M_PI * j * v) / part.unit_sigma[point];
+        const auto row = 2 * static_cast<Eigen::Index>(point);
+        action(row, column++) = wave;
+        action(row + 1, column++) = wave;
       }
     }
   }
-  return columns;
 }
 
-Eigen::MatrixXd curveColumns(const Candidate& candidate, const CaptureRows& rows) {
-  const Curve& curve = *candidate.curve;
-  if (curve.place == CurvePlace::kLens) return lensColumns(curve, candidate.typical.size(), rows);
-  const Eigen::Index count = curve.waves.cols();
-  Eigen::MatrixXd columns(rows.size(), candidate.typical.size());
-  for (const ObservationRows& part : rows.observations) {
-    const auto k = static_cast<Eigen::Index>(part.context.number);
-    const auto block = [&](const Eigen::MatrixXd& ports) {
-      const Eigen::MatrixXd moved = part.rows.H * ports;
-      for (Eigen::Index axis = 0; axis < moved.cols(); ++axis) {
-        columns.block(part.begin, axis * count, part.size, count) = moved.col(axis) * curve.waves.row(k);
-      }
-    };
-    if (curve.place == CurvePlace::kJoint) block(part.ports.joints.col(static_cast<Eigen::Index>(curve.index)));
-    if (curve.place == CurvePlace::kMount) block(part.ports.mount);
-    if (curve.place == CurvePlace::kGrip) block(part.ports.grip);
+void curveAction(const Curve& curve, const ObservationRows& part, Eigen::Ref<Eigen::MatrixXd> action) {
+  if (curve.place == CurvePlace::kLens) {
+    lensAction(curve, part, action);
+    return;
   }
-  return columns;
+  const auto waves = curve.waves.row(static_cast<Eigen::Index>(part.context.number));
+  if (curve.place == CurvePlace::kJoint) {
+    action = waves;
+    return;
+  }
+  const Matrix6d& port = curve.place == CurvePlace::kMount ? part.ports.mount : part.ports.grip;
+  for (Eigen::Index axis = 0; axis < port.cols(); ++axis) action.middleCols(axis * waves.cols(), waves.cols()) = port.col(axis) * waves;
 }
 
 }  // namespace
@@ -343,8 +359,52 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
   return list;
 }
 
+Entry Candidate::entry() const {
+  if (known()) {
+    const Reach reach = effect->kind().reach;
+    return {reach, reach == Reach::kJoint ? effect->index() : 0};
+  }
+  if (curve->place == CurvePlace::kJoint) return {Reach::kJoint, curve->index};
+  return {curve->place == CurvePlace::kLens ? Reach::kPicture : Reach::kPose, 0};
+}
+
+Eigen::MatrixXd entryColumns(const Entry& entry, const ObservationRows& part) {
+  if (entry.reach == Reach::kJoint) return part.rows.H * part.ports.joints.col(static_cast<Eigen::Index>(entry.joint));
+  return part.rows.H;
+}
+
+Eigen::MatrixXd actionsOf(const Candidate& candidate, const CaptureRows& rows, std::size_t begin, std::size_t end) {
+  const Entry entry = candidate.entry();
+  Eigen::Index height = 0;
+  for (std::size_t k = begin; k < end; ++k) height += actionSize(entry, rows.observations[k]);
+  Eigen::MatrixXd actions(height, candidate.typical.size());
+  EffectActions effect(candidate);
+  Eigen::Index row = 0;
+  for (std::size_t k = begin; k < end; ++k) {
+    const ObservationRows& part = rows.observations[k];
+    auto action = actions.middleRows(row, actionSize(entry, part));
+    if (candidate.known()) {
+      effect.of(part, action);
+    } else {
+      curveAction(*candidate.curve, part, action);
+    }
+    row += action.rows();
+  }
+  return actions;
+}
+
 Eigen::MatrixXd columnsOf(const Candidate& candidate, const CaptureRows& rows) {
-  return candidate.known() ? effectColumns(candidate, rows) : curveColumns(candidate, rows);
+  const Entry entry = candidate.entry();
+  const Eigen::MatrixXd actions = actionsOf(candidate, rows, 0, rows.observations.size());
+  if (entry.reach == Reach::kPicture) return actions;
+  Eigen::MatrixXd columns(rows.size(), actions.cols());
+  Eigen::Index row = 0;
+  for (const ObservationRows& part : rows.observations) {
+    const Eigen::Index size = actionSize(entry, part);
+    columns.middleRows(part.begin, part.size).noalias() = entryColumns(entry, part) * actions.middleRows(row, size);
+    row += size;
+  }
+  return columns;
 }
 
 }  // namespace poecal

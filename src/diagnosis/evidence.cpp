@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-
-#include "poecal/core/parallel.hpp"
 
 namespace poecal {
 namespace {
@@ -22,7 +19,25 @@ double logMeanExp(const std::vector<double>& values) {
   return largest + std::log(sum / static_cast<double>(values.size()));
 }
 
-/// Evidence from the projected information S and score u of the columns' factors.
+/// The accepted ones' factors: wide about what was found, so that nothing is drawn to zero; what hangs on them as narrow as it was.
+ColumnPrior priorOf(const std::vector<Accepted>& accepted) {
+  constexpr double kWide = 10.0;
+  ColumnPrior prior = ColumnPrior::none(0);
+  for (const Accepted& one : accepted) {
+    Eigen::VectorXd sigma = one.scale * one.candidate.typical;
+    if (one.candidate.known()) sigma.head(static_cast<Eigen::Index>(one.candidate.linear.size())) *= kWide;
+    prior = prior.joinedWith(ColumnPrior::independent(sigma, one.factors));
+  }
+  return prior;
+}
+
+}  // namespace
+
+const std::vector<double>& evidenceScales() {
+  static const std::vector<double> scales{0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0};
+  return scales;
+}
+
 Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Eigen::VectorXd& typical) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(typical.asDiagonal() * S * typical.asDiagonal());
   const Eigen::VectorXd z = eigen.eigenvectors().transpose() * typical.cwiseProduct(u);
@@ -50,25 +65,6 @@ Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Ei
   }
   evidence.information = eigen.eigenvalues().cwiseMax(0.0).sum() / static_cast<double>(z.size());
   return evidence;
-}
-
-/// The accepted ones' factors: wide about what was found, so that nothing is drawn to zero; what hangs on them as narrow as it was.
-ColumnPrior priorOf(const std::vector<Accepted>& accepted) {
-  constexpr double kWide = 10.0;
-  ColumnPrior prior = ColumnPrior::none(0);
-  for (const Accepted& one : accepted) {
-    Eigen::VectorXd sigma = one.scale * one.candidate.typical;
-    if (one.candidate.known()) sigma.head(static_cast<Eigen::Index>(one.candidate.linear.size())) *= kWide;
-    prior = prior.joinedWith(ColumnPrior::independent(sigma, one.factors));
-  }
-  return prior;
-}
-
-}  // namespace
-
-const std::vector<double>& evidenceScales() {
-  static const std::vector<double> scales{0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0};
-  return scales;
 }
 
 Eigen::MatrixXd Linearised::allColumns() const {
@@ -108,24 +104,6 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
 
 void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearised& linear) {
   linear.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, linear.columns, linear.column_prior, &from);
-}
-
-std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candidate>& candidates) {
-  const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
-  const Eigen::MatrixXd X = linear.allColumns();
-  const Eigen::MatrixXd white = whitening.apply(X);
-  const Eigen::VectorXd r = whitening.apply(linear.rows.r);
-  const Eigen::VectorXd residual = r - white * linear.noise.b;
-  // The covariance of the base columns' factors is the inverse of their information with the priors.
-  std::vector<Evidence> all(candidates.size());
-  parallelFor(candidates.size(), linear.jobs, [&](std::size_t k) {
-    const Candidate& candidate = candidates[k];
-    const Eigen::MatrixXd columns = whitening.apply(columnsOf(candidate, linear.rows));
-    const Eigen::MatrixXd cross = white.transpose() * columns;
-    const Eigen::MatrixXd S = columns.transpose() * columns - cross.transpose() * (linear.noise.covariance * cross);
-    all[k] = evidenceOf(S, columns.transpose() * residual, candidate.typical);
-  });
-  return all;
 }
 
 ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, double start_scale) {

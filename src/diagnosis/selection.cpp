@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "diagnosis/screening.hpp"
 #include "poecal/core/statistics.hpp"
 
 namespace poecal {

@@ -20,6 +20,7 @@ EffectKind baseCompliance() {
   EffectKind kind;
   kind.name = "base_compliance";
   kind.place = PlaceKind::kBase;
+  kind.reach = Reach::kPose;
   kind.drivers = {"gravity"};
   kind.parameters = {{"compliance", "rad/(N m)", 5e-6}};
   kind.needs = {Need::kJoints};

@@ -18,6 +18,7 @@ EffectKind jointCompliance() {
   EffectKind kind;
   kind.name = "joint_compliance";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"tauK"};
   kind.parameters = {{"compliance", "rad/(N m)", 2e-5}};
   kind.needs = {Need::kJoints};

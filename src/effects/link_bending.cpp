@@ -28,6 +28,7 @@ EffectKind linkBending() {
   EffectKind kind;
   kind.name = "link_bending";
   kind.place = PlaceKind::kLink;
+  kind.reach = Reach::kPose;
   kind.drivers = {"gravity"};
   kind.parameters = {{"compliance", "rad/(N m)", 5e-6}, {"difference", "rad/(N m)", 2e-6}};
   kind.needs = {Need::kJoints};
