@@ -47,7 +47,7 @@ MeasuredCell measuredCell(const Identification& identification, const std::vecto
   measured.target = target;
   measured.gravity = gravity;
   measured.jobs = options.jobs;
-  measured.twist_covariance = twistTolerance(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
+  measured.twists = TwistPrior(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
   return measured;
 }
 

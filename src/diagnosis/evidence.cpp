@@ -67,10 +67,8 @@ Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Ei
   return evidence;
 }
 
-Eigen::MatrixXd Linearised::allColumns() const {
-  Eigen::MatrixXd all(rows.size(), rows.J.cols() + columns.cols());
-  all << rows.J, columns;
-  return all;
+Eigen::VectorXd Linearised::residual() const {
+  return rows.r - rows.J * noise.b.head(rows.J.cols()) - columns * noise.b.tail(columns.cols());
 }
 
 Linearised linearise(const MeasuredCell& measured, const ModelState& state, const std::vector<Accepted>& accepted,
@@ -117,22 +115,19 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
   ExactEvidence exact;
   exact.scale = start_scale;
   exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(start_scale), &linear.noise, kPrecision);
-  Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + extra.cols());
-  X << linear.rows.J, extra;
   const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
-  const double penalty =
-      likelihoodAt(linear.rows, linear.components, exact.noise.theta, X, base.joinedWith(prior(start_scale))).log_likelihood -
-      exact.noise.log_likelihood;
+  std::vector<ColumnPrior> priors{base.joinedWith(prior(start_scale))};
+  for (const double scale : evidenceScales()) priors.push_back(base.joinedWith(prior(scale)));
+  const std::vector<NoiseEstimate> estimates = likelihoodsAt(linear.rows, linear.components, exact.noise.theta, extra, priors);
+  const double penalty = estimates.front().log_likelihood - exact.noise.log_likelihood;
   std::vector<double> over_scales;
   double best = -std::numeric_limits<double>::infinity();
-  for (const double scale : evidenceScales()) {
-    NoiseEstimate here = likelihoodAt(linear.rows, linear.components, exact.noise.theta, X, base.joinedWith(prior(scale)));
+  for (std::size_t i = 0; i < evidenceScales().size(); ++i) {
+    const NoiseEstimate& here = estimates[i + 1];
     over_scales.push_back(here.log_likelihood - penalty - linear.noise.log_likelihood);
     if (here.log_likelihood > best) {
       best = here.log_likelihood;
-      exact.scale = scale;
-      here.tolerance = exact.noise.tolerance;
-      here.theta = exact.noise.theta;
+      exact.scale = evidenceScales()[i];
       exact.noise.b = here.b;
       exact.noise.covariance = here.covariance;
     }

@@ -27,8 +27,8 @@ struct Linearised {
   NoiseEstimate noise;  ///< with all of this
   int jobs = 1;         ///< as MeasuredCell's
 
-  /// Columns of the base model, then those of what was accepted.
-  Eigen::MatrixXd allColumns() const;
+  /// r - X b, X the columns of the base model and then those of what was accepted.
+  Eigen::VectorXd residual() const;
 };
 
 /// @param groups  the poses to use; empty: all. @param scatter  joints that move at random by themselves.

@@ -116,15 +116,12 @@ std::vector<Rung> Ladder::geometricRungs() const {
   std::vector<Rung> rungs;
   rungs.push_back(judged("nominal", [&](const Groups&) { return std::pair(nominal, std::vector<Accepted>{}); }));
   rungs.push_back(judged("registered", [&](const Groups& train) {
-    MeasuredCell registration = measured;
-    registration.free = {.near = measured.free.near, .far = measured.free.far};
-    registration.twist_covariance.resize(0, 0);
     std::vector<Observation> some;
     for (const std::vector<std::size_t>& group : train) {
       for (const std::size_t k : group) some.push_back(measured.observations[k]);
     }
     AdjustmentOptions options;
-    options.free = registration.free;
+    options.free = {.near = measured.free.near, .far = measured.free.far};
     ModelState state{CellState(measured.start, measured.free), {}};
     if (options.free.near) state.cell.cell = adjust(measured.start, some, options).cell;
     return std::pair(state, std::vector<Accepted>{});

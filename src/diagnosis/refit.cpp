@@ -8,18 +8,10 @@ namespace {
 
 /// The solution of a linearisation at a given noise.
 NoiseEstimate solveAt(const MeasuredCell& measured, const Linearised& linear, const NoiseEstimate& noise) {
-  const Eigen::MatrixXd X = linear.allColumns();
   const ColumnPrior prior = basePrior(measured, linear.state, noise.tolerance).joinedWith(linear.column_prior);
-  NoiseEstimate estimate = likelihoodAt(linear.rows, linear.components, noise.theta, X, prior);
+  NoiseEstimate estimate = likelihoodsAt(linear.rows, linear.components, noise.theta, linear.columns, {prior}).front();
   estimate.tolerance = noise.tolerance;
   return estimate;
-}
-
-/// What the fit makes smallest, where the linearisation stands: squared rows in units of their noise, and the priors.
-double objective(const MeasuredCell& measured, const Linearised& linear, const NoiseEstimate& noise) {
-  const ColumnPrior prior = basePrior(measured, linear.state, noise.tolerance).joinedWith(linear.column_prior);
-  const Whitening whitening(linear.rows, linear.components, noise.theta);
-  return whitening.apply(linear.rows.r).squaredNorm() + prior.offset.dot(prior.precision * prior.offset);
 }
 
 /// Corners that the camera's model has no pixel for: they ask for nothing any more.
@@ -31,10 +23,9 @@ std::size_t lostCorners(const CaptureRows& rows) {
   return lost;
 }
 
-/// Whether a step led to a place that serves the rows worse, by the noise that it was made with.
-bool isWorse(const MeasuredCell& measured, const Linearised& here, const Linearised& before) {
-  return lostCorners(here.rows) > lostCorners(before.rows) ||
-         objective(measured, here, before.noise) > objective(measured, before, before.noise);
+/// Whether a step led to a place that serves the rows worse, both solved at the noise that it was made with.
+bool isWorse(const Linearised& here, const Linearised& before) {
+  return lostCorners(here.rows) > lostCorners(before.rows) || here.noise.misfit > before.noise.misfit;
 }
 
 /// Where a fit stands.
@@ -82,19 +73,16 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
     state.effects.push_back({*one.candidate.effect, parameters});
   }
   constexpr int kMaxSteps = 12;
-  constexpr double kSettled = 0.01;   // standard deviations
-  constexpr int kNoiseSteps = 2;      // the second sees residuals that no longer change
-  constexpr double kShortest = 0.01;  // share of a step below which there is no way down
-  int noises = 0;
-  const auto solve = [&](const NoiseEstimate& from, Linearised& linear) {
-    if (new_noise && noises++ < kNoiseSteps) {
-      setNoise(measured, from, linear);
-    } else {
-      linear.noise = solveAt(measured, linear, from);
-    }
-  };
+  constexpr double kSettled = 0.01;              // standard deviations
+  constexpr int kNoiseSteps = 2;                 // the second sees residuals that no longer change
+  constexpr double kShortest = 0.01;             // share of a step below which there is no way down
+  int noises = new_noise ? kNoiseSteps - 1 : 0;  // still to be estimated anew
   Linearised before = linearise(measured, state, accepted, scatter, groups);
-  solve(noise, before);
+  if (new_noise) {
+    setNoise(measured, noise, before);
+  } else {
+    before.noise = solveAt(measured, before, noise);
+  }
   double share = 1.0;
   for (int step = 1;; ++step) {
     Place place = moved(measured, before, share);
@@ -106,11 +94,12 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
       return before;
     }
     Linearised here = linearise(measured, place.state, place.accepted, scatter, groups);
-    if (isWorse(measured, here, before)) {
+    here.noise = solveAt(measured, here, before.noise);
+    if (isWorse(here, before)) {
       share *= 0.5;
       continue;
     }
-    solve(before.noise, here);
+    if (noises-- > 0) setNoise(measured, before.noise, here);
     before = std::move(here);
     share = 1.0;
   }

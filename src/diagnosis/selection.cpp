@@ -35,8 +35,7 @@ struct WhiteResidual {
 
 WhiteResidual whiteResidual(const Linearised& linear) {
   WhiteResidual white{Whitening(linear.rows, linear.components, linear.noise.theta), {}};
-  const Eigen::MatrixXd X = linear.allColumns();
-  white.e = white.whitening.apply(linear.rows.r - X * linear.noise.b);
+  white.e = white.whitening.apply(linear.residual());
   return white;
 }
 
@@ -177,7 +176,6 @@ class Selector {
     dropBad(kWildAtOnce);
     listCandidates();
     selection_.base = linear_.state;
-    selection_.base_linear = linear_;
     for (;;) {
       const Ranking ranking = ranker().rank(linear_, taken());
       if (selection_.findings.empty()) {
@@ -191,12 +189,9 @@ class Selector {
       // What stands out now does so beside every explanation.
       if (!dropBad(kWildAtLast)) break;
       listCandidates();
-      if (selection_.findings.empty()) {
-        selection_.base = linear_.state;
-        selection_.base_linear = linear_;
-      }
+      if (selection_.findings.empty()) selection_.base = linear_.state;
     }
-    selection_.linear = linear_;
+    selection_.linear = std::move(linear_);
     return std::move(selection_);
   }
 

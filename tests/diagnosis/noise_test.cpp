@@ -57,7 +57,9 @@ TEST(Noise, LikelihoodIsThatOfTheDenseFormula) {
   const Rows made = makeRows(12, 0.5, 0.8, rng);
   const Eigen::Vector2d here(0.3, 0.5), there(0.6, 0.2);
   const auto at = [&](const Eigen::Vector2d& theta) {
-    return likelihoodAt(made.rows, made.components, theta, made.rows.J, ColumnPrior::none(2)).log_likelihood;
+    return likelihoodsAt(made.rows, made.components, theta, Eigen::MatrixXd(made.rows.size(), 0), {ColumnPrior::none(2)})
+        .front()
+        .log_likelihood;
   };
   // Rounding of sums of 48 terms of order one.
   EXPECT_NEAR(at(here) - at(there), denseLikelihood(made, here) - denseLikelihood(made, there), 1e-8);
