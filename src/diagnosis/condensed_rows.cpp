@@ -33,8 +33,10 @@ CondensedRows::CondensedRows(const CaptureRows& rows, const std::vector<NoiseCom
     std::vector<Eigen::Index>& widths = width.emplace_back();
     for (std::size_t i = 0; i < components.size(); ++i) sum += widths.emplace_back(i == white ? 0 : components[i].Z[g].cols());
     Eigen::MatrixXd Z(size, sum);
-    for (std::size_t i = 0, begin = 0; i < components.size(); begin += static_cast<std::size_t>(widths[i++])) {
-      if (widths[i] > 0) Z.middleCols(static_cast<Eigen::Index>(begin), widths[i]) = components[i].Z[g];
+    Eigen::Index begin = 0;
+    for (std::size_t i = 0; i < components.size(); ++i) {
+      if (widths[i] > 0) Z.middleCols(begin, widths[i]) = components[i].Z[g];
+      begin += widths[i];
     }
     Eigen::MatrixXd of_pose(size, all);
     of_pose << rows.J.middleRows(from, size), extra.middleRows(from, size), rows.r.segment(from, size);
@@ -61,8 +63,10 @@ void forWhitenedPoses(const CondensedRows& rows, const Eigen::VectorXd& theta, c
   for (std::size_t g = 0; g < rows.poses.size(); ++g) {
     const CondensedRows::Pose& pose = rows.poses[g];
     Eigen::MatrixXd Z = pose.Z;
-    for (Eigen::Index i = 0, begin = 0; i < theta.size(); begin += rows.width[g][static_cast<std::size_t>(i++)]) {
-      Z.middleCols(begin, rows.width[g][static_cast<std::size_t>(i)]) *= std::sqrt(theta(i));
+    Eigen::Index begin = 0;
+    for (std::size_t i = 0; i < rows.width[g].size(); ++i) {
+      Z.middleCols(begin, rows.width[g][i]) *= std::sqrt(theta(static_cast<Eigen::Index>(i)));
+      begin += rows.width[g][i];
     }
     Eigen::MatrixXd C = Eigen::MatrixXd::Zero(pose.size, pose.size);
     C.selfadjointView<Eigen::Lower>().rankUpdate(Z);

@@ -42,7 +42,8 @@ struct WhitenedPoses {
   Eigen::MatrixXd Xr;              ///< L^-1 Q' [X r]
 };
 
-/// Calls `visit` for all poses, some at a time, in their order.
+/// Calls `visit` for all poses, some at a time, in their order. @param theta  variances of the components, and perhaps of others after
+/// them.
 /// @throws InsufficientData where a pose's C is singular.
 void forWhitenedPoses(const CondensedRows& rows, const Eigen::VectorXd& theta, const std::function<void(const WhitenedPoses&)>& visit);
 
