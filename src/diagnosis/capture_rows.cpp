@@ -98,6 +98,12 @@ Eigen::VectorXd ObservationRows::along(const Disturbance& direction) const {
   return motion;
 }
 
+int CaptureRows::groupSize(std::size_t g) const {
+  int size = 0;
+  for (const std::size_t k : groups[g]) size += observations[k].size;
+  return size;
+}
+
 PlainSight plainSight(const MeasuredCell& measured, const ModelState& state, const ObservationRows& part) {
   return plainSight(state.cell.cell, measured.observations[part.context.number], disturbanceOf(state.effects, part.context));
 }

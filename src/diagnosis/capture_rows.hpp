@@ -65,6 +65,8 @@ struct CaptureRows {
   std::vector<std::vector<std::size_t>> groups;
 
   int size() const { return static_cast<int>(r.size()); }
+  /// Rows of all shots of a pose; they follow each other.
+  int groupSize(std::size_t g) const;
 };
 
 /// What a cell whose target and camera are as they should be would have measured in place of an observation, and that cell: corners without

@@ -1,5 +1,9 @@
 #include "diagnosis/condensed_rows.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
@@ -11,12 +15,6 @@ namespace {
 // Rows that are whitened at a time: they stay in a core's cache.
 constexpr int kRowsAtATime = 512;
 
-int groupRows(const CaptureRows& rows, std::size_t g) {
-  int count = 0;
-  for (const std::size_t k : rows.groups[g]) count += rows.observations[k].size;
-  return count;
-}
-
 }  // namespace
 
 CondensedRows::CondensedRows(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::MatrixXd& extra) {
@@ -26,33 +24,31 @@ CondensedRows::CondensedRows(const CaptureRows& rows, const std::vector<NoiseCom
   const Eigen::Index base = rows.J.cols(), all = base + extra.cols() + 1;
   Xr.resize(rows.size(), all);
   squares = Eigen::MatrixXd::Zero(all, all);
+  poses.reserve(rows.groups.size());
   int from = 0, to = 0;
   for (std::size_t g = 0; g < rows.groups.size(); ++g) {
-    const int size = groupRows(rows, g);
-    Eigen::Index sum = 0;
-    std::vector<Eigen::Index>& widths = width.emplace_back();
-    for (std::size_t i = 0; i < components.size(); ++i) sum += widths.emplace_back(i == white ? 0 : components[i].Z[g].cols());
-    Eigen::MatrixXd Z(size, sum);
-    Eigen::Index begin = 0;
+    const int size = rows.groupSize(g);
+    Pose& pose = poses.emplace_back();
+    pose.begin = to;
+    for (std::size_t i = 0; i < components.size(); ++i) pose.width.push_back(i == white ? 0 : components[i].Z[g].cols());
+    pose.Z.resize(size, std::accumulate(pose.width.begin(), pose.width.end(), Eigen::Index{0}));
+    Eigen::Index column = 0;
     for (std::size_t i = 0; i < components.size(); ++i) {
-      if (widths[i] > 0) Z.middleCols(begin, widths[i]) = components[i].Z[g];
-      begin += widths[i];
+      if (pose.width[i] > 0) pose.Z.middleCols(column, pose.width[i]) = components[i].Z[g];
+      column += pose.width[i];
     }
-    Eigen::MatrixXd of_pose(size, all);
+    auto of_pose = Xr.middleRows(to, size);
     of_pose << rows.J.middleRows(from, size), extra.middleRows(from, size), rows.r.segment(from, size);
-    int kept = size;
-    if (white && sum < size) {
-      kept = static_cast<int>(sum);
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(Z);
+    pose.size = white ? std::min(size, static_cast<int>(column)) : size;
+    if (pose.size < size) {
+      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(pose.Z);
       of_pose.applyOnTheLeft(qr.householderQ().adjoint());
-      Z = qr.matrixQR().topRows(kept).triangularView<Eigen::Upper>();
-      squares.selfadjointView<Eigen::Lower>().rankUpdate(of_pose.bottomRows(size - kept).transpose());
-      beyond += size - kept;
+      pose.Z = qr.matrixQR().topRows(pose.size).triangularView<Eigen::Upper>();
+      squares.selfadjointView<Eigen::Lower>().rankUpdate(of_pose.bottomRows(size - pose.size).transpose());
+      beyond += size - pose.size;
     }
-    Xr.middleRows(to, kept) = of_pose.topRows(kept);
-    poses.push_back({to, kept, std::move(Z)});
     from += size;
-    to += kept;
+    to += pose.size;
   }
   Xr.conservativeResize(to, Eigen::NoChange);
   squares.triangularView<Eigen::StrictlyUpper>() = squares.transpose();
@@ -60,21 +56,23 @@ CondensedRows::CondensedRows(const CaptureRows& rows, const std::vector<NoiseCom
 
 void forWhitenedPoses(const CondensedRows& rows, const Eigen::VectorXd& theta, const std::function<void(const WhitenedPoses&)>& visit) {
   WhitenedPoses some;
+  Eigen::MatrixXd Z, C;
+  Eigen::LLT<Eigen::MatrixXd> llt;
   for (std::size_t g = 0; g < rows.poses.size(); ++g) {
     const CondensedRows::Pose& pose = rows.poses[g];
-    Eigen::MatrixXd Z = pose.Z;
+    Z = pose.Z;
     Eigen::Index begin = 0;
-    for (std::size_t i = 0; i < rows.width[g].size(); ++i) {
-      Z.middleCols(begin, rows.width[g][i]) *= std::sqrt(theta(static_cast<Eigen::Index>(i)));
-      begin += rows.width[g][i];
+    for (std::size_t i = 0; i < pose.width.size(); ++i) {
+      Z.middleCols(begin, pose.width[i]) *= std::sqrt(theta(static_cast<Eigen::Index>(i)));
+      begin += pose.width[i];
     }
-    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(pose.size, pose.size);
+    C.setZero(pose.size, pose.size);
     C.selfadjointView<Eigen::Lower>().rankUpdate(Z);
     if (rows.white) C.diagonal().array() += theta(static_cast<Eigen::Index>(*rows.white));
-    const Eigen::LLT<Eigen::MatrixXd> llt(C);
+    llt.compute(C);
     if (llt.info() != Eigen::Success)
       throw InsufficientData("the noise of a pose cannot be told from nothing: its rows repeat each other exactly");
-    some.L.push_back(llt.matrixL());
+    some.L.push_back(llt.matrixLLT());
     some.end = g + 1;
     const int size = pose.begin + pose.size - some.row;
     if (size < kRowsAtATime && some.end < rows.poses.size()) continue;

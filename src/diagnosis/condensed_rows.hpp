@@ -21,15 +21,15 @@ struct CondensedRows {
   /// One pose's rows in the span.
   struct Pose {
     int begin = 0, size = 0;
-    Eigen::MatrixXd Z;  ///< Q' Z_i of the components that are not white, side by side
+    std::vector<Eigen::Index> width;  ///< columns of each component; the white one has none
+    Eigen::MatrixXd Z;                ///< Q' Z_i, side by side
   };
 
   std::vector<Pose> poses;
-  Eigen::MatrixXd Xr;                            ///< Q' [X r] in the span, columns of the base model, `extra`, the residual
-  std::vector<std::vector<Eigen::Index>> width;  ///< of each component in each pose's Z
-  std::optional<std::size_t> white;              ///< number of the white component
-  double beyond = 0.0;                           ///< number of rows beyond the spans
-  Eigen::MatrixXd squares;                       ///< [X r]' [X r] of them
+  Eigen::MatrixXd Xr;                ///< Q' [X r] in the span, columns of the base model, `extra`, the residual
+  std::optional<std::size_t> white;  ///< number of the white component
+  double beyond = 0.0;               ///< number of rows beyond the spans
+  Eigen::MatrixXd squares;           ///< [X r]' [X r] of them
 
   Eigen::Index columns() const { return Xr.cols() - 1; }
 };
@@ -38,7 +38,7 @@ struct CondensedRows {
 struct WhitenedPoses {
   std::size_t begin = 0, end = 0;  ///< poses
   int row = 0;                     ///< where they begin in the condensed rows
-  std::vector<Eigen::MatrixXd> L;  ///< Cholesky factor of each pose's C
+  std::vector<Eigen::MatrixXd> L;  ///< Cholesky factor of each pose's C, its lower half
   Eigen::MatrixXd Xr;              ///< L^-1 Q' [X r]
 };
 

@@ -67,6 +67,12 @@ Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Ei
   return evidence;
 }
 
+Eigen::MatrixXd Linearised::allColumns() const {
+  Eigen::MatrixXd all(rows.size(), rows.J.cols() + columns.cols());
+  all << rows.J, columns;
+  return all;
+}
+
 Eigen::VectorXd Linearised::residual() const {
   return rows.r - rows.J * noise.b.head(rows.J.cols()) - columns * noise.b.tail(columns.cols());
 }

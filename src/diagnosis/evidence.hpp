@@ -27,7 +27,9 @@ struct Linearised {
   NoiseEstimate noise;  ///< with all of this
   int jobs = 1;         ///< as MeasuredCell's
 
-  /// r - X b, X the columns of the base model and then those of what was accepted.
+  /// X: columns of the base model, then those of what was accepted.
+  Eigen::MatrixXd allColumns() const;
+  /// r - X b.
   Eigen::VectorXd residual() const;
 };
 

@@ -18,30 +18,19 @@ constexpr double kStartCorner = 0.1;          // [px]
 constexpr double kStartTag = 0.02;            // [px]
 constexpr double kStartRepeatability = 2e-5;  // [rad]
 
-int groupRows(const CaptureRows& rows, std::size_t g) {
-  int count = 0;
-  for (const std::size_t k : rows.groups[g]) count += rows.observations[k].size;
-  return count;
-}
-
 /// One component from a function that gives its columns in one observation. Columns of the observations of a pose stand side by side, or,
 /// where the pose has one draw for all its shots, below each other.
 template <typename Columns>
 NoiseComponent component(const CaptureRows& rows, const std::string& name, double start, bool shared_by_shots, Columns columns) {
   NoiseComponent made{.name = name, .start = start, .Z = {}};
+  made.Z.reserve(rows.groups.size());
   for (std::size_t g = 0; g < rows.groups.size(); ++g) {
-    std::vector<Eigen::MatrixXd> parts;
-    Eigen::Index width = 0;
-    for (const std::size_t k : rows.groups[g]) {
-      parts.push_back(columns(rows.observations[k]));
-      width = shared_by_shots ? parts.back().cols() : width + parts.back().cols();
-    }
-    Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(groupRows(rows, g), width);
-    Eigen::Index row = 0, column = 0;
-    for (const Eigen::MatrixXd& part : parts) {
+    Eigen::MatrixXd Z = columns(rows.observations[rows.groups[g].front()]);
+    for (std::size_t shot = 1; shot < rows.groups[g].size(); ++shot) {
+      const Eigen::MatrixXd part = columns(rows.observations[rows.groups[g][shot]]);
+      const Eigen::Index row = Z.rows(), column = shared_by_shots ? 0 : Z.cols();
+      Z.conservativeResizeLike(Eigen::MatrixXd::Zero(row + part.rows(), column + part.cols()));
       Z.block(row, column, part.rows(), part.cols()) = part;
-      row += part.rows();
-      if (!shared_by_shots) column += part.cols();
     }
     made.Z.push_back(std::move(Z));
   }
@@ -200,7 +189,7 @@ void addPoses(const CondensedRows& rows, const Posterior& posterior, const White
     Eigen::Index next = own;
     for (Eigen::Index i = 0; i < sums.trace.size(); ++i) {
       const bool is_white = static_cast<std::size_t>(i) == rows.white;
-      const Eigen::Index begin = is_white ? 0 : next, width = is_white ? own : rows.width[g][static_cast<std::size_t>(i)];
+      const Eigen::Index begin = is_white ? 0 : next, width = is_white ? own : pose.width[static_cast<std::size_t>(i)];
       if (!is_white) next += width;
       sums.trace(i) += W.middleCols(begin, width).squaredNorm();
       sums.taken(i) += crossed.middleCols(begin, width).squaredNorm();
@@ -313,7 +302,7 @@ NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start
 Whitening::Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta) {
   int begin = 0;
   for (std::size_t g = 0; g < rows.groups.size(); ++g) {
-    const int size = groupRows(rows, g);
+    const int size = rows.groupSize(g);
     Eigen::MatrixXd C = Eigen::MatrixXd::Zero(size, size);
     for (std::size_t i = 0; i < components.size(); ++i) {
       const double variance = theta(static_cast<Eigen::Index>(i));

@@ -176,6 +176,7 @@ class Selector {
     dropBad(kWildAtOnce);
     listCandidates();
     selection_.base = linear_.state;
+    selection_.base_noise = linear_.noise;
     for (;;) {
       const Ranking ranking = ranker().rank(linear_, taken());
       if (selection_.findings.empty()) {
@@ -189,7 +190,10 @@ class Selector {
       // What stands out now does so beside every explanation.
       if (!dropBad(kWildAtLast)) break;
       listCandidates();
-      if (selection_.findings.empty()) selection_.base = linear_.state;
+      if (selection_.findings.empty()) {
+        selection_.base = linear_.state;
+        selection_.base_noise = linear_.noise;
+      }
     }
     selection_.linear = std::move(linear_);
     return std::move(selection_);
