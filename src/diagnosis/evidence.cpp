@@ -143,10 +143,11 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
 }
 
 ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& measured, std::size_t k) {
-  Linearised with = linear;
-  with.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
+  std::vector<NoiseComponent> components = linear.components;
+  components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
   ExactEvidence exact;
-  exact.noise = estimateNoise(measured, with.state, with.rows, with.components, with.columns, with.column_prior, &linear.noise, kPrecision);
+  exact.noise =
+      estimateNoise(measured, linear.state, linear.rows, components, linear.columns, linear.column_prior, &linear.noise, kPrecision);
   // One variance more: what was a factor of e^3 either way is known to a few tens of percent.
   constexpr double kOccam = 1.5;
   exact.log_bayes = exact.noise.log_likelihood - linear.noise.log_likelihood - kOccam;

@@ -337,6 +337,7 @@ class Selector {
     // Joints that move at random begin anew: which they are may have changed.
     from.theta.conservativeResize(std::count_if(linear_.components.begin(), linear_.components.end(),
                                                 [](const NoiseComponent& component) { return !component.name.starts_with("scatter"); }));
+    linear_ = {};  // the bulk of the memory; the next one need not stand beside it
     linear_ = refit(selection_.measured, selection_.base, accepted(), scatter(), from, {}, true);
     handBack();
   }
