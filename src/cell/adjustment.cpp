@@ -98,12 +98,14 @@ class Adjuster {
   }
 
  private:
-  /// The flange of observation k where no step moves the arm, otherwise nullptr.
-  const Eigen::Isometry3d* heldFlange(std::size_t k) const { return held_flanges_.empty() ? nullptr : &held_flanges_[k]; }
-
   Eigen::Isometry3d targetAt(const CellState& state, std::size_t k) const {
-    const Eigen::Isometry3d* flange = heldFlange(k);
-    return flange != nullptr ? state.cell.registration.cameraTarget(*flange) : modelTarget(state.cell, observations_[k]);
+    if (held_flanges_.empty()) return modelTarget(state.cell, observations_[k]);
+    return state.cell.registration.cameraTarget(held_flanges_[k]);
+  }
+
+  PoseDerivative derivativeAt(const CellState& state, std::size_t k) const {
+    if (held_flanges_.empty()) return evaluatePose(state, layout_, observations_[k]);
+    return evaluatePose(state, layout_, observations_[k], ArmChain{.P = {}, .T_base_flange = held_flanges_[k]});
   }
 
   std::vector<std::vector<double>> squaredNorms(const CellState& state) const {
@@ -181,7 +183,7 @@ class Adjuster {
     const int k_count = layout_.total - p;
     SampleRows rows;
     for (std::size_t k = 0; k < observations_.size(); ++k) {
-      const PoseDerivative pose = evaluatePose(state, layout_, observations_[k], heldFlange(k));
+      const PoseDerivative pose = derivativeAt(state, k);
       evaluateRows(state.cell, observations_[k], pose.T_camera_target, intrinsics, rows);
       for (std::size_t unit = 0; unit < rows.valid.size(); ++unit) {
         const double root = rows.valid[unit] ? std::sqrt(weights_[k][unit]) : 0.0;

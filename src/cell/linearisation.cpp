@@ -157,26 +157,20 @@ void evaluateRows(const Cell& cell, const Observation& observation, const Eigen:
   }
 }
 
-PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation,
-                            const Eigen::Isometry3d* held_flange) {
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation) {
+  if (state.cell.arm) return evaluatePose(state, layout, observation, forwardChain(*state.cell.arm, observation.q));
+  return evaluatePose(state, layout, observation, ArmChain{.P = {}, .T_base_flange = modelFlange(state.cell, observation)});
+}
+
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation, const ArmChain& chain) {
   PoseDerivative derivative;
   derivative.M.resize(6, layout.pose_parameters);
   const Registration& registration = state.cell.registration;
-  ArmChain chain;
-  Eigen::Isometry3d T_base_flange;
-  if (held_flange != nullptr) {
-    T_base_flange = *held_flange;
-  } else if (state.cell.arm) {
-    chain = forwardChain(*state.cell.arm, observation.q);
-    T_base_flange = chain.T_base_flange;
-  } else {
-    T_base_flange = modelFlange(state.cell, observation);
-  }
-  derivative.T_camera_target = registration.cameraTarget(T_base_flange);
+  derivative.T_camera_target = registration.cameraTarget(chain.T_base_flange);
   // A left perturbation of T_base_flange in base is one of T_camera_target in camera: by Ad(T_camera_base), and turned round in hand,
   // where the arm enters as its inverse.
   const double sign = registration.setup == Setup::kEyeToHand ? 1.0 : -1.0;
-  const Eigen::Isometry3d T_camera_base = registration.cameraBase(T_base_flange);
+  const Eigen::Isometry3d T_camera_base = registration.cameraBase(chain.T_base_flange);
   if (layout.twists > 0 || layout.gamma >= 0) {
     const Matrix6d A = sign * adjoint(T_camera_base);
     if (layout.twists > 0) {

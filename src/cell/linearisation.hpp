@@ -57,9 +57,9 @@ struct PoseDerivative {
   Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
   Matrix6Xd M;
 };
-/// @param held_flange  the cell's flange there, where neither twists nor gamma are free and it is known already; nullptr: it is computed.
-PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation,
-                            const Eigen::Isometry3d* held_flange = nullptr);
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation);
+/// @param chain  the cell's arm there; where neither twists nor gamma are free, its T_base_flange is enough.
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation, const ArmChain& chain);
 
 /// T_camera_target of an observation.
 Eigen::Isometry3d modelTarget(const Cell& cell, const Observation& observation);

@@ -140,7 +140,7 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
   all.J.resize(begin, layout.total);
   for (const ObservationRows& part : all.observations) {
     all.r.segment(part.begin, part.size) = part.rows.r;
-    const PoseDerivative pose = evaluatePose(state.cell, layout, measured.observations[part.context.number]);
+    const PoseDerivative pose = evaluatePose(state.cell, layout, measured.observations[part.context.number], part.context.chain);
     all.J.block(part.begin, 0, part.size, layout.pose_parameters) = part.rows.H * pose.M;
     if (layout.intrinsics >= 0) all.J.block(part.begin, layout.intrinsics, part.size, part.rows.K.cols()) = part.rows.K;
   }

@@ -78,7 +78,8 @@ void addPoints(const CaptureContext& capture, const std::vector<TargetPoint>& po
       context.points.push_back({.id = point.id, .p_target = point.p_target, .px = Eigen::Vector2d::Constant(kNaN)});
     return;
   }
-  const Eigen::Isometry3d T_camera_target = disturbedTarget(capture.cell, context.sample, {});
+  const Eigen::Isometry3d T_base_flange = context.chain.P.empty() ? capture.cell.baseFlange(context.sample) : context.chain.T_base_flange;
+  const Eigen::Isometry3d T_camera_target = capture.cell.registration.cameraTarget(T_base_flange);
   Eigen::VectorXd velocity = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(points.size()));
   if (context.sample.dq.size() > 0 && capture.cell.arm) {
     Disturbance motion;
