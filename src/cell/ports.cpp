@@ -46,6 +46,8 @@ struct DisturbedChain {
 DisturbedChain disturbedChain(const Arm& arm, const Eigen::VectorXd& q, const Disturbance& disturbance) {
   if (q.size() != arm.jointCount()) throw InvalidArgument(fmt::format("{} joint positions, expected {}", q.size(), arm.jointCount()));
   DisturbedChain chain;
+  chain.before_joint.reserve(arm.joints.size());
+  chain.before_link.reserve(arm.joints.size());
   Eigen::Isometry3d T = expSe3(disturbance.base);
   for (std::size_t k = 0; k < arm.joints.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);
@@ -159,6 +161,7 @@ PosePortJacobian posePortJacobian(const Cell& cell, const Sample& sample, const 
   const double sign = registration.setup == Setup::kEyeToHand ? 1.0 : -1.0;
   const Matrix6d J_pose_flange = sign * adjoint(registration.cameraBase(chain.T_base_flange));
   jacobian.joints.resize(6, static_cast<Eigen::Index>(chain.before_joint.size()));
+  jacobian.links.reserve(chain.before_link.size());
   for (std::size_t k = 0; k < chain.before_joint.size(); ++k) {
     jacobian.joints.col(static_cast<Eigen::Index>(k)) = J_pose_flange * adjoint(chain.before_joint[k]) * cell.arm->joints[k].xi;
     jacobian.links.push_back(J_pose_flange * adjoint(chain.before_link[k]) * leftJacobianSe3(linkTwist(at, k)));

@@ -53,6 +53,7 @@ Eigen::MatrixXd twistTolerance(const Arm& arm, double position, double rotation)
 
 std::vector<TargetPoint> pointsOf(const Observation& observation) {
   std::vector<TargetPoint> points;
+  points.reserve(observation.corners.size());
   for (const CornerMeasurement& corner : observation.corners) points.push_back({corner.id, corner.p_target});
   return points;
 }
@@ -112,6 +113,7 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
   const auto capture = contextOf(measured, state);
   const ParameterLayout layout(state.cell.cell, measured.free);
   CaptureRows all;
+  all.observations.reserve(measured.observations.size());
   int begin = 0;
   for (const std::vector<std::size_t>& group : chosen(measured, groups)) {
     all.groups.emplace_back();
@@ -122,11 +124,18 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
       part.begin = begin;
       part.size = observation.unitCount() * observation.unitSize();
       part.context = makeSampleContext(capture, sample, k, pointsOf(observation));
-      const Disturbance disturbance = disturbanceOf(state.effects, part.context);
-      part.ports = posePortJacobian(state.cell.cell, sample, disturbance);
+      const bool camera = state.cell.cell.camera.has_value();
+      if (state.effects.empty()) {
+        part.ports = posePortJacobian(state.cell.cell, sample);
+        evaluateRows(state.cell.cell, observation, part.ports.T_camera_target, camera, part.rows);
+      } else {
+        const Disturbance disturbance = disturbanceOf(state.effects, part.context);
+        part.ports = posePortJacobian(state.cell.cell, sample, disturbance);
+        const PlainSight plain = plainSight(state.cell.cell, observation, disturbance);
+        evaluateRows(plain.cell, plain.observation, part.ports.T_camera_target, camera, part.rows);
+      }
       part.R_camera_target = part.ports.T_camera_target.linear();
-      const PlainSight plain = plainSight(state.cell.cell, observation, disturbance);
-      evaluateRows(plain.cell, plain.observation, part.ports.T_camera_target, plain.cell.camera.has_value(), part.rows);
+      part.unit_sigma.reserve(static_cast<std::size_t>(observation.unitCount()));
       for (int unit = 0; unit < observation.unitCount(); ++unit) {
         part.unit_sigma.push_back(observation.pose ? 1.0 / observation.pose->whitening(5, 5)
                                                    : observation.corners[static_cast<std::size_t>(unit)].sigma_px);

@@ -86,6 +86,7 @@ void addPoints(const CaptureContext& capture, const std::vector<TargetPoint>& po
     motion.joints = context.sample.dq;
     velocity = portJacobian(capture.cell, context.sample, points).along(motion);
   }
+  context.points.reserve(points.size());
   for (std::size_t j = 0; j < points.size(); ++j) {
     PointContext point{.id = points[j].id,
                        .p_target = points[j].p_target,
