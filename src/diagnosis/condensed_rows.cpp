@@ -15,6 +15,16 @@ namespace {
 // Rows that are whitened at a time: they stay in a core's cache.
 constexpr int kRowsAtATime = 512;
 
+/// A B into C; the few rows of most poses are not worth the preparations of a large product.
+void multiply(const Eigen::MatrixXd& A, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> C) {
+  constexpr Eigen::Index kSmall = 16;
+  if (A.rows() <= kSmall) {
+    C.noalias() = A.lazyProduct(B);
+  } else {
+    C.noalias() = A * B;
+  }
+}
+
 }  // namespace
 
 CondensedRows::CondensedRows(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::MatrixXd& extra) {
@@ -72,19 +82,21 @@ void forWhitenedPoses(const CondensedRows& rows, const Eigen::VectorXd& theta, c
     llt.compute(C);
     if (llt.info() != Eigen::Success)
       throw InsufficientData("the noise of a pose cannot be told from nothing: its rows repeat each other exactly");
-    some.L.push_back(llt.matrixLLT());
+    Eigen::MatrixXd& whitener = some.whitener.emplace_back(Eigen::MatrixXd::Identity(pose.size, pose.size));
+    llt.matrixL().solveInPlace(whitener);
     some.end = g + 1;
     const int size = pose.begin + pose.size - some.row;
     if (size < kRowsAtATime && some.end < rows.poses.size()) continue;
-    some.Xr = rows.Xr.middleRows(some.row, size);
+    some.Xr.resize(size, rows.Xr.cols());
     for (std::size_t k = some.begin; k < some.end; ++k) {
-      auto block = some.Xr.middleRows(rows.poses[k].begin - some.row, rows.poses[k].size);
-      some.L[k - some.begin].triangularView<Eigen::Lower>().solveInPlace(block);
+      const CondensedRows::Pose& each = rows.poses[k];
+      multiply(some.whitener[k - some.begin], rows.Xr.middleRows(each.begin, each.size),
+               some.Xr.middleRows(each.begin - some.row, each.size));
     }
     visit(some);
     some.begin = some.end;
     some.row += size;
-    some.L.clear();
+    some.whitener.clear();
   }
 }
 

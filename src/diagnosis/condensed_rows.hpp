@@ -36,10 +36,10 @@ struct CondensedRows {
 
 /// Some poses at one set of variances.
 struct WhitenedPoses {
-  std::size_t begin = 0, end = 0;  ///< poses
-  int row = 0;                     ///< where they begin in the condensed rows
-  std::vector<Eigen::MatrixXd> L;  ///< Cholesky factor of each pose's C, its lower half
-  Eigen::MatrixXd Xr;              ///< L^-1 Q' [X r]
+  std::size_t begin = 0, end = 0;         ///< poses
+  int row = 0;                            ///< where they begin in the condensed rows
+  std::vector<Eigen::MatrixXd> whitener;  ///< L^-1 of each pose, C = L L'
+  Eigen::MatrixXd Xr;                     ///< L^-1 Q' [X r]
 };
 
 /// Calls `visit` for all poses, some at a time, in their order. @param theta  variances of the components, and perhaps of others after

@@ -79,7 +79,7 @@ Normal normalOf(const CondensedRows& rows, const Eigen::VectorXd& theta) {
   Normal normal{Eigen::MatrixXd::Zero(rows.Xr.cols(), rows.Xr.cols()), 0.0};
   forWhitenedPoses(rows, theta, [&normal](const WhitenedPoses& some) {
     normal.squares.selfadjointView<Eigen::Lower>().rankUpdate(some.Xr.transpose());
-    for (const Eigen::MatrixXd& L : some.L) normal.log_determinant += 2.0 * L.diagonal().array().log().sum();
+    for (const Eigen::MatrixXd& whitener : some.whitener) normal.log_determinant -= 2.0 * whitener.diagonal().array().log().sum();
   });
   normal.squares.triangularView<Eigen::StrictlyUpper>() = normal.squares.transpose();
   if (rows.white) {
@@ -181,9 +181,9 @@ void addPoses(const CondensedRows& rows, const Posterior& posterior, const White
     const Eigen::Index row = pose.begin - some.row;
     const Eigen::Index own = rows.white ? pose.size : 0;
     W.resize(pose.size, own + pose.Z.cols());
-    W.leftCols(own).setIdentity();
-    W.rightCols(pose.Z.cols()) = pose.Z;
-    some.L[g - some.begin].triangularView<Eigen::Lower>().solveInPlace(W);
+    const Eigen::MatrixXd& whitener = some.whitener[g - some.begin];
+    W.leftCols(own) = whitener.leftCols(own);
+    W.rightCols(pose.Z.cols()).noalias() = whitener * pose.Z;
     crossed.noalias() = halved.middleCols(row, pose.size) * W;
     const Eigen::VectorXd projected = W.transpose() * residual.segment(row, pose.size);
     Eigen::Index next = own;
