@@ -87,25 +87,28 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
   } else {
     here.noise = solveAt(measured, here, noise);
   }
-  for (int step = 1; step <= kMaxSteps && largestMove(here.noise) >= kSettled; ++step) {
-    const Place before = placeOf(here);
-    double share = 1.0;
-    do {
-      here = {};  // the bulk of the memory; the next one need not stand beside it
-      const Place next = moved(measured, before, share);
-      here = linearise(measured, next.state, next.accepted, scatter, groups);
-      here.noise = solveAt(measured, here, before.noise);
+  Place place = placeOf(here);
+  double share = 1.0;
+  for (int step = 1; step <= kMaxSteps && share >= kShortest && largestMove(place.noise) >= kSettled; ++step) {
+    here = {};  // the bulk of the memory; the next one need not stand beside it
+    const Place next = moved(measured, place, share);
+    here = linearise(measured, next.state, next.accepted, scatter, groups);
+    here.noise = solveAt(measured, here, place.noise);
+    if (isWorse(here, place)) {
       share *= 0.5;
-    } while (isWorse(here, before) && share > kShortest);
-    if (isWorse(here, before)) {
-      here = linearise(measured, before.state, before.accepted, scatter, groups);
-      here.noise = before.noise;
-      return here;
+      continue;
     }
-    if (noises-- > 0) setNoise(measured, before.noise, here);
+    if (noises-- > 0) setNoise(measured, place.noise, here);
+    place = placeOf(here);
+    share = 1.0;
   }
+  if (share < 1.0) {  // the last step led nowhere
+    here = linearise(measured, place.state, place.accepted, scatter, groups);
+    here.noise = place.noise;
+  }
+  if (share < kShortest) return here;
   // The rows stand where they were linearised; what little moves yet is in the solution.
-  Place end = moved(measured, placeOf(here), 1.0);
+  Place end = moved(measured, place, share);
   here.state = std::move(end.state);
   here.accepted = std::move(end.accepted);
   return here;
