@@ -77,7 +77,7 @@ void forWhitenedPoses(const CondensedRows& rows, const Eigen::VectorXd& theta, c
       begin += pose.width[i];
     }
     C.setZero(pose.size, pose.size);
-    C.selfadjointView<Eigen::Lower>().rankUpdate(Z);
+    if (Z.cols() > 0) C.selfadjointView<Eigen::Lower>().rankUpdate(Z);
     if (rows.white) C.diagonal().array() += theta(static_cast<Eigen::Index>(*rows.white));
     llt.compute(C);
     if (llt.info() != Eigen::Success)
@@ -93,7 +93,7 @@ void forWhitenedPoses(const CondensedRows& rows, const Eigen::VectorXd& theta, c
       multiply(some.whitener[k - some.begin], rows.Xr.middleRows(each.begin, each.size),
                some.Xr.middleRows(each.begin - some.row, each.size));
     }
-    visit(some);
+    if (size > 0) visit(some);
     some.begin = some.end;
     some.row += size;
     some.whitener.clear();

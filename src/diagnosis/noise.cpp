@@ -308,7 +308,7 @@ Whitening::Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>&
       const double variance = theta(static_cast<Eigen::Index>(i));
       if (components[i].white) {
         C.diagonal().array() += variance;
-      } else {
+      } else if (components[i].Z[g].cols() > 0) {
         C.selfadjointView<Eigen::Lower>().rankUpdate(components[i].Z[g], variance);
       }
     }

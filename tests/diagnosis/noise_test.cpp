@@ -66,9 +66,10 @@ TEST(Noise, LikelihoodIsThatOfTheDenseFormula) {
   EXPECT_NEAR(at(here) - at(there), denseLikelihood(made, here) - denseLikelihood(made, there), 1e-8);
 }
 
-TEST(Noise, WhiteNoiseMayBeSummedUpBeyondWhatPosesShare) {
-  Rng rng(4);
+/// @param components  how many of the two.
+void expectSumsSayTheSame(std::size_t components, Rng& rng) {
   Rows made = makeRows(40, 0.5, 0.8, rng);
+  made.components.resize(components);
   const Eigen::MatrixXd none(made.rows.size(), 0);
   const NoiseEstimate in_full = estimateNoise({}, {}, made.rows, made.components, none, ColumnPrior::none(2), nullptr);
   made.components[0].white = true;
@@ -80,6 +81,16 @@ TEST(Noise, WhiteNoiseMayBeSummedUpBeyondWhatPosesShare) {
   EXPECT_THAT(summed.theta, test::IsNear(in_full.theta, kRounding));
   EXPECT_THAT(summed.b, test::IsNear(in_full.b, kRounding));
   EXPECT_THAT(summed.covariance, test::IsNear(in_full.covariance, kRounding));
+}
+
+TEST(Noise, WhiteNoiseMayBeSummedUpBeyondWhatPosesShare) {
+  Rng rng(4);
+  expectSumsSayTheSame(2, rng);
+}
+
+TEST(Noise, WhiteNoiseAloneIsNothingButSums) {
+  Rng rng(5);
+  expectSumsSayTheSame(1, rng);
 }
 
 TEST(Noise, VariancesAreThoseDrawn) {
