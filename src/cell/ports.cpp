@@ -30,9 +30,8 @@ void checkPointPorts(const std::vector<TargetPoint>& points, const Disturbance& 
   checkLength("the pixels", static_cast<Eigen::Index>(disturbance.pixels.size()), static_cast<Eigen::Index>(points.size()));
 }
 
-Vector6d linkTwist(const Disturbance& disturbance, std::size_t k) {
-  return disturbance.links.empty() ? Vector6d(Vector6d::Zero()) : disturbance.links[k];
-}
+/// J by a left perturbation, as the derivative by a twist at `at`.
+Matrix6d atTwist(const Matrix6d& J, const Vector6d& at) { return at.isZero(0.0) ? J : Matrix6d(J * leftJacobianSe3(at)); }
 
 double jointOffset(const Disturbance& disturbance, Eigen::Index k) { return disturbance.joints.size() == 0 ? 0.0 : disturbance.joints(k); }
 
@@ -48,13 +47,13 @@ DisturbedChain disturbedChain(const Arm& arm, const Eigen::VectorXd& q, const Di
   DisturbedChain chain;
   chain.before_joint.reserve(arm.joints.size());
   chain.before_link.reserve(arm.joints.size());
-  Eigen::Isometry3d T = expSe3(disturbance.base);
+  Eigen::Isometry3d T = disturbance.base.isZero(0.0) ? Eigen::Isometry3d::Identity() : expSe3(disturbance.base);
   for (std::size_t k = 0; k < arm.joints.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);
     chain.before_joint.push_back(T);
     T = T * expSe3(arm.joints[k].xi * (q(index) + jointOffset(disturbance, index)));
     chain.before_link.push_back(T);
-    T = T * expSe3(linkTwist(disturbance, k));
+    if (!disturbance.links.empty()) T = T * expSe3(disturbance.links[k]);
   }
   chain.T_base_flange = T * expSe3(arm.gamma);
   return chain;
@@ -163,14 +162,16 @@ PosePortJacobian posePortJacobian(const Cell& cell, const Sample& sample, const 
   jacobian.joints.resize(6, static_cast<Eigen::Index>(chain.before_joint.size()));
   jacobian.links.reserve(chain.before_link.size());
   for (std::size_t k = 0; k < chain.before_joint.size(); ++k) {
-    jacobian.joints.col(static_cast<Eigen::Index>(k)) = J_pose_flange * adjoint(chain.before_joint[k]) * cell.arm->joints[k].xi;
-    jacobian.links.push_back(J_pose_flange * adjoint(chain.before_link[k]) * leftJacobianSe3(linkTwist(at, k)));
+    const Vector6d xi_base = adjoint(chain.before_joint[k]) * cell.arm->joints[k].xi;
+    jacobian.joints.col(static_cast<Eigen::Index>(k)) = J_pose_flange * xi_base;
+    const Matrix6d J_pose_link = J_pose_flange * adjoint(chain.before_link[k]);
+    jacobian.links.push_back(at.links.empty() ? J_pose_link : atTwist(J_pose_link, at.links[k]));
   }
-  jacobian.base = J_pose_flange * leftJacobianSe3(at.base);
+  jacobian.base = atTwist(J_pose_flange, at.base);
   jacobian.mount = leftJacobianSe3(at.mount);
   // exp(grip) stands in the far frame as the undisturbed T_far_target leaves it.
   const Eigen::Isometry3d T_camera_far = jacobian.T_camera_target * registration.T_far_target.inverse();
-  jacobian.grip = adjoint(T_camera_far) * leftJacobianSe3(at.grip);
+  jacobian.grip = atTwist(adjoint(T_camera_far), at.grip);
   return jacobian;
 }
 
