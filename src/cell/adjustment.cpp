@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <fmt/format.h>
 
 #include "cell/linearisation.hpp"
 #include "poecal/core/error.hpp"
@@ -49,8 +49,12 @@ class UnitWeight {
 class Adjuster {
  public:
   Adjuster(const Cell& nominal, const std::vector<Observation>& observations, const AdjustmentOptions& options)
-      : observations_(observations), options_(options), layout_(nominal, options.free), start_(nominal), state_(nominal, options.free) {
-    setPriors(nominal);
+      : observations_(observations),
+        options_(options),
+        layout_(nominal, options.free),
+        start_(nominal),
+        state_(nominal, options.free),
+        sigma_prior_(priorSigma(nominal, layout_, options)) {
     weights_.reserve(observations.size());
     int numbers = 0;
     for (const Observation& observation : observations) {
@@ -62,6 +66,10 @@ class Adjuster {
       throw InsufficientData(fmt::format("{} numbers were measured for {} unknowns: more poses are needed", numbers, unbounded));
     }
     if (!observations.empty()) unit_weight_ = UnitWeight(observations.front().unitSize());
+    if (layout_.twists == 0 && layout_.gamma < 0) {
+      held_flanges_.reserve(observations.size());
+      for (const Observation& observation : observations) held_flanges_.push_back(modelFlange(nominal, observation));
+    }
   }
 
   Adjustment run() {
@@ -90,48 +98,26 @@ class Adjuster {
   }
 
  private:
-  void setPriors(const Cell& nominal) {
-    sigma_prior_ = Eigen::VectorXd::Constant(layout_.total, kInfinity);
-    if (layout_.twists > 0) {
-      int column = 0;
-      for (const Joint& joint : nominal.arm->joints) {
-        const int count = twistParameterCount(joint);
-        for (int k = 0; k < count; ++k, ++column) {
-          const double tolerance = k < 2 ? options_.tolerance_rotation : options_.tolerance_position;
-          if (tolerance > 0.0) sigma_prior_(column) = tolerance;
-        }
-      }
-    }
-    if (layout_.far >= 0 && options_.far_position > 0.0) sigma_prior_.segment<3>(layout_.far + 3).setConstant(options_.far_position);
-    if (layout_.intrinsics >= 0) {
-      for (int k = 0; k < options_.camera_prior_sigma.size(); ++k) {
-        const double sigma = options_.camera_prior_sigma(k);
-        if (sigma > 0.0) sigma_prior_(layout_.intrinsics + k) = sigma;
-      }
-    }
+  Eigen::Isometry3d targetAt(const CellState& state, std::size_t k) const {
+    if (held_flanges_.empty()) return modelTarget(state.cell, observations_[k]);
+    return state.cell.registration.cameraTarget(held_flanges_[k]);
   }
 
-  /// x - x0 of the parameters that have priors, in the layout's order.
-  Eigen::VectorXd deviation(const CellState& state) const {
-    Eigen::VectorXd deviation = Eigen::VectorXd::Zero(layout_.total);
-    deviation.head(layout_.twists) = state.beta;
-    if (layout_.far >= 0) deviation.segment<3>(layout_.far + 3) = farMotion(state.cell, start_);
-    if (layout_.intrinsics >= 0) {
-      const Eigen::VectorXd stated = start_.camera->parameters();
-      deviation.tail(stated.size()) = state.cell.camera->parameters() - stated;
-    }
-    return deviation;
+  PoseDerivative derivativeAt(const CellState& state, std::size_t k) const {
+    if (held_flanges_.empty()) return evaluatePose(state, layout_, observations_[k]);
+    return evaluatePose(state, layout_, observations_[k], ArmChain{.P = {}, .T_base_flange = held_flanges_[k]});
   }
 
   std::vector<std::vector<double>> squaredNorms(const CellState& state) const {
     std::vector<std::vector<double>> squares;
     squares.reserve(observations_.size());
     SampleRows rows;
-    for (const Observation& observation : observations_) {
-      evaluateRows(state.cell, observation, modelTarget(state.cell, observation), false, rows);
+    for (std::size_t k = 0; k < observations_.size(); ++k) {
+      evaluateRows(state.cell, observations_[k], targetAt(state, k), false, rows);
       std::vector<double> of_units(rows.valid.size());
       for (std::size_t unit = 0; unit < of_units.size(); ++unit) {
-        of_units[unit] = rows.valid[unit] ? rows.r.segment(static_cast<int>(unit) * rows.unit_size, rows.unit_size).squaredNorm() : kInfinity;
+        of_units[unit] =
+            rows.valid[unit] ? rows.r.segment(static_cast<int>(unit) * rows.unit_size, rows.unit_size).squaredNorm() : kInfinity;
       }
       squares.push_back(std::move(of_units));
     }
@@ -187,7 +173,7 @@ class Adjuster {
   }
 
   double costOf(const std::vector<std::vector<double>>& squares, const CellState& state) const {
-    return chiSquare(squares) / (scale_ * scale_) + deviation(state).cwiseQuotient(sigma_prior_).squaredNorm();
+    return chiSquare(squares) / (scale_ * scale_) + priorDeviation(state, layout_, start_).cwiseQuotient(sigma_prior_).squaredNorm();
   }
 
   NormalEquations accumulate(const CellState& state) const {
@@ -197,7 +183,7 @@ class Adjuster {
     const int k_count = layout_.total - p;
     SampleRows rows;
     for (std::size_t k = 0; k < observations_.size(); ++k) {
-      const PoseDerivative pose = evaluatePose(state, layout_, observations_[k]);
+      const PoseDerivative pose = derivativeAt(state, k);
       evaluateRows(state.cell, observations_[k], pose.T_camera_target, intrinsics, rows);
       for (std::size_t unit = 0; unit < rows.valid.size(); ++unit) {
         const double root = rows.valid[unit] ? std::sqrt(weights_[k][unit]) : 0.0;
@@ -235,7 +221,7 @@ class Adjuster {
     if (layout_.total == 0) return std::nullopt;
     Eigen::MatrixXd H = normal.H;
     H.diagonal() += priorInformation();
-    const Eigen::VectorXd g = normal.g - priorInformation().cwiseProduct(deviation(state_));
+    const Eigen::VectorXd g = normal.g - priorInformation().cwiseProduct(priorDeviation(state_, layout_, start_));
     const Eigen::VectorXd d = columnScale(H);
     const Eigen::MatrixXd scaled = d.asDiagonal() * H * d.asDiagonal();
     for (int attempt = 0; attempt < 30; ++attempt, damping = std::max(10.0 * damping, 1e-9)) {
@@ -298,8 +284,7 @@ class Adjuster {
       ++result.rank;
     }
     result.condition_number = std::sqrt(largest / smallest_kept);
-    result.covariance =
-        d.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) * d.asDiagonal();
+    result.covariance = d.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) * d.asDiagonal();
     nameUnseen(normal, result);
   }
 
@@ -325,6 +310,7 @@ class Adjuster {
   Cell start_;
   CellState state_;
   Eigen::VectorXd sigma_prior_;
+  std::vector<Eigen::Isometry3d> held_flanges_;  ///< of each observation, where the arm is held; otherwise empty
   Weights weights_;
   UnitWeight unit_weight_{2};
   double scale_ = 1.0;

@@ -1,5 +1,7 @@
 #include "cell/linearisation.hpp"
 
+#include <limits>
+
 #include <fmt/format.h>
 
 #include "poecal/core/error.hpp"
@@ -61,6 +63,36 @@ CellState CellState::moved(const ParameterLayout& layout, const Eigen::VectorXd&
   return next;
 }
 
+Eigen::VectorXd priorSigma(const Cell& start, const ParameterLayout& layout, const AdjustmentOptions& options) {
+  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(layout.total, std::numeric_limits<double>::infinity());
+  int column = 0;
+  for (std::size_t joint = 0; column < layout.twists; ++joint) {
+    const int count = twistParameterCount(start.arm->joints[joint]);
+    for (int k = 0; k < count; ++k, ++column) {
+      const double tolerance = k < 2 ? options.tolerance_rotation : options.tolerance_position;
+      if (tolerance > 0.0) sigma(column) = tolerance;
+    }
+  }
+  if (layout.far >= 0 && options.far_position > 0.0) sigma.segment<3>(layout.far + 3).setConstant(options.far_position);
+  if (layout.intrinsics >= 0) {
+    for (int k = 0; k < options.camera_prior_sigma.size(); ++k) {
+      if (options.camera_prior_sigma(k) > 0.0) sigma(layout.intrinsics + k) = options.camera_prior_sigma(k);
+    }
+  }
+  return sigma;
+}
+
+Eigen::VectorXd priorDeviation(const CellState& state, const ParameterLayout& layout, const Cell& start) {
+  Eigen::VectorXd deviation = Eigen::VectorXd::Zero(layout.total);
+  deviation.head(layout.twists) = state.beta.head(layout.twists);
+  if (layout.far >= 0) deviation.segment<3>(layout.far + 3) = farMotion(state.cell, start);
+  if (layout.intrinsics >= 0) {
+    const Eigen::VectorXd stated = start.camera->parameters();
+    deviation.tail(stated.size()) = state.cell.camera->parameters() - stated;
+  }
+  return deviation;
+}
+
 Eigen::Isometry3d modelFlange(const Cell& cell, const Observation& observation) {
   if (cell.arm) return forwardKinematics(*cell.arm, observation.q);
   if (!observation.T_base_flange) throw InvalidArgument("an observation without joints needs the controller's flange pose");
@@ -73,8 +105,8 @@ Eigen::Isometry3d modelTarget(const Cell& cell, const Observation& observation) 
 
 namespace {
 
-void evaluateCorner(const Camera& camera, const CornerMeasurement& corner, const Eigen::Isometry3d& T_camera_target, int unit, bool intrinsics,
-                    SampleRows& rows) {
+void evaluateCorner(const Camera& camera, const CornerMeasurement& corner, const Eigen::Isometry3d& T_camera_target, int unit,
+                    bool intrinsics, SampleRows& rows) {
   const Eigen::Vector3d p_camera = T_camera_target * corner.p_target;
   const std::optional<Projection> projection = projectWithJacobians(camera, p_camera);
   rows.valid[static_cast<std::size_t>(unit)] = projection.has_value();
@@ -106,7 +138,8 @@ void evaluatePoseUnit(const PoseMeasurement& pose, const Eigen::Isometry3d& T_ca
 
 }  // namespace
 
-void evaluateRows(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target, bool intrinsics, SampleRows& rows) {
+void evaluateRows(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target, bool intrinsics,
+                  SampleRows& rows) {
   const int units = observation.unitCount();
   rows.unit_size = observation.unitSize();
   rows.valid.assign(static_cast<std::size_t>(units), false);
@@ -125,26 +158,24 @@ void evaluateRows(const Cell& cell, const Observation& observation, const Eigen:
 }
 
 PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation) {
+  if (state.cell.arm) return evaluatePose(state, layout, observation, forwardChain(*state.cell.arm, observation.q));
+  return evaluatePose(state, layout, observation, ArmChain{.P = {}, .T_base_flange = modelFlange(state.cell, observation)});
+}
+
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation, const ArmChain& chain) {
   PoseDerivative derivative;
   derivative.M.resize(6, layout.pose_parameters);
   const Registration& registration = state.cell.registration;
-  ArmChain chain;
-  Eigen::Isometry3d T_base_flange;
-  if (state.cell.arm) {
-    chain = forwardChain(*state.cell.arm, observation.q);
-    T_base_flange = chain.T_base_flange;
-  } else {
-    T_base_flange = modelFlange(state.cell, observation);
-  }
-  derivative.T_camera_target = registration.cameraTarget(T_base_flange);
+  derivative.T_camera_target = registration.cameraTarget(chain.T_base_flange);
   // A left perturbation of T_base_flange in base is one of T_camera_target in camera: by Ad(T_camera_base), and turned round in hand,
   // where the arm enters as its inverse.
   const double sign = registration.setup == Setup::kEyeToHand ? 1.0 : -1.0;
-  const Eigen::Isometry3d T_camera_base = registration.cameraBase(T_base_flange);
+  const Eigen::Isometry3d T_camera_base = registration.cameraBase(chain.T_base_flange);
   if (layout.twists > 0 || layout.gamma >= 0) {
     const Matrix6d A = sign * adjoint(T_camera_base);
     if (layout.twists > 0) {
-      derivative.M.leftCols(layout.twists).noalias() = A * twistJacobian(*state.reference, state.beta, *state.cell.arm, chain, observation.q);
+      derivative.M.leftCols(layout.twists).noalias() =
+          A * twistJacobian(*state.reference, state.beta, *state.cell.arm, chain, observation.q);
     }
     if (layout.gamma >= 0) derivative.M.middleCols<6>(layout.gamma).noalias() = A * adjoint(chain.P.back());
   }

@@ -12,9 +12,9 @@ namespace poecal {
 /// Where each block of free parameters begins in the vector of all.
 struct ParameterLayout {
   ParameterLayout(const Cell& cell, const FreeParameters& free);
-  int twists = 0;  ///< number of twist parameters; they begin at 0
+  int twists = 0;                                        ///< number of twist parameters; they begin at 0
   int gamma = -1, near = -1, far = -1, intrinsics = -1;  ///< begin, or -1 where held
-  int pose_parameters = 0;  ///< all but the intrinsics
+  int pose_parameters = 0;                               ///< all but the intrinsics
   int total = 0;
 };
 
@@ -32,6 +32,12 @@ struct CellState {
   Eigen::VectorXd beta;          ///< empty where the twists are held
 };
 
+/// 1 sigma of the independent priors of the free parameters; infinity where there is none.
+Eigen::VectorXd priorSigma(const Cell& start, const ParameterLayout& layout, const AdjustmentOptions& options);
+/// x - x0 of the parameters that priors may be about (twists, place of the far transform, intrinsics) from where the cell started; 0 for
+/// the others.
+Eigen::VectorXd priorDeviation(const CellState& state, const ParameterLayout& layout, const Cell& start);
+
 /// Residuals r (m), d(model)/d(T_camera_target) = H (m x 6, left perturbation in camera) and d(model)/d(intrinsics) = K (m x k), all in
 /// units of the stated sigma. Units that cannot be projected have valid = false and zero rows.
 struct SampleRows {
@@ -43,7 +49,8 @@ struct SampleRows {
 };
 
 /// @param intrinsics  whether K is wanted.
-void evaluateRows(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target, bool intrinsics, SampleRows& rows);
+void evaluateRows(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target, bool intrinsics,
+                  SampleRows& rows);
 
 /// d(T_camera_target)/d(pose parameters) at an observation, 6 x layout.pose_parameters, and T_camera_target itself.
 struct PoseDerivative {
@@ -51,6 +58,8 @@ struct PoseDerivative {
   Matrix6Xd M;
 };
 PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation);
+/// @param chain  the cell's arm there; where neither twists nor gamma are free, its T_base_flange is enough.
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation, const ArmChain& chain);
 
 /// T_camera_target of an observation.
 Eigen::Isometry3d modelTarget(const Cell& cell, const Observation& observation);

@@ -114,9 +114,16 @@ std::vector<std::optional<Eigen::Vector2d>> disturbedCorners(const Cell& cell, c
 Vector6d PosePortJacobian::along(const Disturbance& direction) const {
   checkLength("the joints", direction.joints.size(), joints.cols());
   checkLength("the links", static_cast<Eigen::Index>(direction.links.size()), static_cast<Eigen::Index>(links.size()));
-  Vector6d motion = base * direction.base + mount * direction.mount + grip * direction.grip;
+  Vector6d motion = Vector6d::Zero();
+  // Most directions move one port, and there are many directions.
+  const auto add = [&motion](const Matrix6d& port, const Vector6d& along_port) {
+    if (!along_port.isZero(0.0)) motion += port * along_port;
+  };
+  add(base, direction.base);
+  add(mount, direction.mount);
+  add(grip, direction.grip);
   if (direction.joints.size() > 0) motion += joints * direction.joints;
-  for (std::size_t k = 0; k < direction.links.size(); ++k) motion += links[k] * direction.links[k];
+  for (std::size_t k = 0; k < direction.links.size(); ++k) add(links[k], direction.links[k]);
   return motion;
 }
 

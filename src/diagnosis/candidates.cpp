@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -236,56 +237,72 @@ void clear(Disturbance& disturbance) {
   for (Eigen::Vector2d& pixel : disturbance.pixels) pixel.setZero();
 }
 
-Eigen::MatrixXd effectColumns(const Candidate& candidate, const CaptureRows& rows) {
-  Eigen::MatrixXd columns(rows.size(), candidate.typical.size());
-  const Eigen::VectorXd no_masses = candidate.mass_errors ? candidate.mass_errors->start() : Eigen::VectorXd();
-  for (const ObservationRows& part : rows.observations) {
-    Disturbance direction = Disturbance::zero(part.context.capture->cell, part.context.points.size());
-    Eigen::Index column = 0;
-    const auto add = [&](const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters) {
-      effect.addDerivative(i, parameters, part.context, 1.0, direction);
-      columns.block(part.begin, column++, part.size, 1) = part.along(direction);
-      clear(direction);
-    };
-    for (const Eigen::Index i : candidate.linear) add(*candidate.effect, i, candidate.parameters);
-    for (Eigen::Index i = 0; i < no_masses.size(); ++i) add(*candidate.mass_errors, i, no_masses);
-  }
-  return columns;
+/// Numbers of an action in one observation.
+Eigen::Index actionSize(const Entry& entry, const ObservationRows& part) {
+  constexpr Eigen::Index kPoseSize = 6;
+  if (entry.reach == Reach::kJoint) return 1;
+  return entry.reach == Reach::kPose ? kPoseSize : part.size;
 }
 
-Eigen::MatrixXd lensColumns(const Curve& curve, Eigen::Index count, const CaptureRows& rows) {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows.size(), count);
-  for (const ObservationRows& part : rows.observations) {
-    const Camera& camera = *part.context.capture->cell.camera;
-    for (std::size_t point = 0; point < part.context.points.size(); ++point) {
-      const Eigen::Vector2d px = part.context.points[point].px;
-      if (!px.allFinite()) continue;
-      const Eigen::RowVectorXd waves = pixelWaves(px, camera, curve.orders) / part.unit_sigma[point];
-      const auto row = part.begin + 2 * static_cast<Eigen::Index>(point);
-      for (Eigen::Index k = 0; k < waves.size(); ++k) columns(row, 2 * k) = columns(row + 1, 2 * k + 1) = waves(k);
+/// Actions of an effect, one observation after the other.
+class EffectActions {
+ public:
+  explicit EffectActions(const Candidate& candidate) : candidate_(candidate), entry_(candidate.entry()) {}
+
+  void of(const ObservationRows& part, Eigen::Ref<Eigen::MatrixXd> action) {
+    const std::size_t points = entry_.reach == Reach::kPicture ? part.context.points.size() : 0;
+    if (direction_.joints.size() == 0 || direction_.points.size() != points) {
+      direction_ = Disturbance::zero(part.context.capture->cell, points);
     }
+    Eigen::Index column = 0;
+    for (const Eigen::Index i : candidate_.linear) add(*candidate_.effect, i, candidate_.parameters, part, action.col(column++));
+    if (!candidate_.mass_errors) return;
+    const Eigen::VectorXd& none = candidate_.mass_errors->start();
+    for (Eigen::Index i = 0; i < none.size(); ++i) add(*candidate_.mass_errors, i, none, part, action.col(column++));
   }
-  return columns;
+
+ private:
+  void add(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters, const ObservationRows& part,
+           Eigen::Ref<Eigen::VectorXd> action) {
+    effect.addDerivative(i, parameters, part.context, 1.0, direction_);
+    if (entry_.reach == Reach::kJoint) {
+      action(0) = std::exchange(direction_.joints(static_cast<Eigen::Index>(entry_.joint)), 0.0);
+      return;
+    }
+    action = entry_.reach == Reach::kPose ? Eigen::VectorXd(part.ports.along(direction_)) : part.along(direction_);
+    clear(direction_);
+  }
+
+  const Candidate& candidate_;
+  Entry entry_;
+  Disturbance direction_;
+};
+
+void lensAction(const Curve& curve, const ObservationRows& part, Eigen::Ref<Eigen::MatrixXd> action) {
+  const Camera& camera = *part.context.capture->cell.camera;
+  action.setZero();
+  for (std::size_t point = 0; point < part.context.points.size(); ++point) {
+    const Eigen::Vector2d px = part.context.points[point].px;
+    if (!px.allFinite()) continue;
+    const Eigen::RowVectorXd waves = pixelWaves(px, camera, curve.orders) / part.unit_sigma[point];
+    const auto row = 2 * static_cast<Eigen::Index>(point);
+    for (Eigen::Index k = 0; k < waves.size(); ++k) action(row, 2 * k) = action(row + 1, 2 * k + 1) = waves(k);
+  }
 }
 
-Eigen::MatrixXd curveColumns(const Candidate& candidate, const CaptureRows& rows) {
+void curveAction(const Candidate& candidate, const ObservationRows& part, Eigen::Ref<Eigen::MatrixXd> action) {
   const Curve& curve = *candidate.curve;
-  if (curve.place == PlaceKind::kCameraLens) return lensColumns(curve, candidate.typical.size(), rows);
-  const Eigen::Index count = curve.waves;
-  Eigen::MatrixXd columns(rows.size(), candidate.typical.size());
-  for (const ObservationRows& part : rows.observations) {
-    const Eigen::RowVectorXd waves = curve.range.waves(driverValue(candidate.driver, part.context), count);
-    const auto block = [&](const Eigen::MatrixXd& ports) {
-      const Eigen::MatrixXd moved = part.rows.H * ports;
-      for (Eigen::Index axis = 0; axis < moved.cols(); ++axis) {
-        columns.block(part.begin, axis * count, part.size, count) = moved.col(axis) * waves;
-      }
-    };
-    if (curve.place == PlaceKind::kJoint) block(part.ports.joints.col(static_cast<Eigen::Index>(curve.index)));
-    if (curve.place == PlaceKind::kCameraMount) block(part.ports.mount);
-    if (curve.place == PlaceKind::kTargetMount) block(part.ports.grip);
+  if (curve.place == PlaceKind::kCameraLens) {
+    lensAction(curve, part, action);
+    return;
   }
-  return columns;
+  const Eigen::RowVectorXd waves = curve.range.waves(driverValue(candidate.driver, part.context), curve.waves);
+  if (curve.place == PlaceKind::kJoint) {
+    action = waves;
+    return;
+  }
+  const Matrix6d& port = curve.place == PlaceKind::kCameraMount ? part.ports.mount : part.ports.grip;
+  for (Eigen::Index axis = 0; axis < port.cols(); ++axis) action.middleCols(axis * waves.cols(), waves.cols()) = port.col(axis) * waves;
 }
 
 }  // namespace
@@ -317,8 +334,52 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
   return list;
 }
 
+Entry Candidate::entry() const {
+  if (known()) {
+    const Reach reach = effect->kind().reach;
+    return {reach, reach == Reach::kJoint ? effect->index() : 0};
+  }
+  if (curve->place == PlaceKind::kJoint) return {Reach::kJoint, curve->index};
+  return {curve->place == PlaceKind::kCameraLens ? Reach::kPicture : Reach::kPose, 0};
+}
+
+Eigen::MatrixXd entryColumns(const Entry& entry, const ObservationRows& part) {
+  if (entry.reach == Reach::kJoint) return part.rows.H * part.ports.joints.col(static_cast<Eigen::Index>(entry.joint));
+  return part.rows.H;
+}
+
+Eigen::MatrixXd actionsOf(const Candidate& candidate, const CaptureRows& rows, std::size_t begin, std::size_t end) {
+  const Entry entry = candidate.entry();
+  Eigen::Index height = 0;
+  for (std::size_t k = begin; k < end; ++k) height += actionSize(entry, rows.observations[k]);
+  Eigen::MatrixXd actions(height, candidate.typical.size());
+  EffectActions effect(candidate);
+  Eigen::Index row = 0;
+  for (std::size_t k = begin; k < end; ++k) {
+    const ObservationRows& part = rows.observations[k];
+    auto action = actions.middleRows(row, actionSize(entry, part));
+    if (candidate.known()) {
+      effect.of(part, action);
+    } else {
+      curveAction(candidate, part, action);
+    }
+    row += action.rows();
+  }
+  return actions;
+}
+
 Eigen::MatrixXd columnsOf(const Candidate& candidate, const CaptureRows& rows) {
-  return candidate.known() ? effectColumns(candidate, rows) : curveColumns(candidate, rows);
+  const Entry entry = candidate.entry();
+  const Eigen::MatrixXd actions = actionsOf(candidate, rows, 0, rows.observations.size());
+  if (entry.reach == Reach::kPicture) return actions;
+  Eigen::MatrixXd columns(rows.size(), actions.cols());
+  Eigen::Index row = 0;
+  for (const ObservationRows& part : rows.observations) {
+    const Eigen::Index size = actionSize(entry, part);
+    columns.middleRows(part.begin, part.size).noalias() = entryColumns(entry, part) * actions.middleRows(row, size);
+    row += size;
+  }
+  return columns;
 }
 
 }  // namespace poecal

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,6 +24,15 @@ struct Curve {
   int orders = 0;                       ///< lens only: waves along u and v in all
 };
 
+/// Where a candidate enters the cell. Its action there is what each of its columns does, in an observation: one number where it turns a
+/// joint, six where it moves the target's pose (w; v) in camera, otherwise the rows themselves.
+struct Entry {
+  Reach reach = Reach::kPicture;
+  std::size_t joint = 0;  ///< kJoint: which, from 0; otherwise 0
+
+  bool operator<(const Entry& other) const { return std::pair(reach, joint) < std::pair(other.reach, other.joint); }
+};
+
 /// One explanation. Its columns are the derivatives of the rows by its linear parameters.
 struct Candidate {
   std::optional<Effect> effect;  ///< a named one, or
@@ -37,6 +47,7 @@ struct Candidate {
   double log_prior = 0.0;   ///< share among all explanations
 
   bool known() const { return effect.has_value(); }
+  Entry entry() const;
   /// "joint_slip@joint:2/stamp": what is one answer, whatever its scanned parameters.
   std::string answer() const { return name + "@" + location + "/" + driver; }
 };
@@ -47,6 +58,12 @@ struct CandidateList {
 };
 
 CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state);
+
+/// d(rows)/d(action) of an observation at an entry that is not kPicture: rows x 1 or 6.
+Eigen::MatrixXd entryColumns(const Entry& entry, const ObservationRows& part);
+
+/// Actions of a candidate at its entry, of observations [begin, end) below each other; as many columns as typical.size().
+Eigen::MatrixXd actionsOf(const Candidate& candidate, const CaptureRows& rows, std::size_t begin, std::size_t end);
 
 /// d(rows)/d(column factor), rows x typical.size().
 Eigen::MatrixXd columnsOf(const Candidate& candidate, const CaptureRows& rows);

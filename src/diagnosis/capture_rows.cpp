@@ -1,5 +1,6 @@
 #include "diagnosis/capture_rows.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 
 #include "poecal/geometry/se3.hpp"
@@ -16,34 +17,7 @@ Eigen::MatrixXd axisMotion(const Joint& joint) {
   return moved.colPivHouseholderQr().solve(adjointOfTwist(joint.xi));
 }
 
-std::vector<TargetPoint> pointsOf(const Observation& observation) {
-  std::vector<TargetPoint> points;
-  for (const CornerMeasurement& corner : observation.corners) points.push_back({corner.id, corner.p_target});
-  return points;
-}
-
-/// Groups of which only what is asked for remains; all where nothing is asked.
-const std::vector<std::vector<std::size_t>>& chosen(const MeasuredCell& measured, const std::vector<std::vector<std::size_t>>& groups) {
-  return groups.empty() ? measured.groups : groups;
-}
-
-std::shared_ptr<const CaptureContext> contextOf(const MeasuredCell& measured, const ModelState& state) {
-  return makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples, measured.other_columns);
-}
-
-/// Points moved as the target is bent, pixels moved back, seen by the camera as it is disturbed.
-PlainSight plainSight(const Cell& cell, const Observation& observation, const Disturbance& disturbance) {
-  PlainSight plain{cell, observation};
-  if (cell.camera) plain.cell.camera = disturbedCamera(cell, disturbance);
-  for (std::size_t j = 0; j < observation.corners.size(); ++j) {
-    plain.observation.corners[j].p_target += disturbance.points[j];
-    plain.observation.corners[j].px -= disturbance.pixels[j];
-  }
-  return plain;
-}
-
-}  // namespace
-
+/// Covariance of the twist parameters of an arm whose parts are made to tolerance.
 Eigen::MatrixXd twistTolerance(const Arm& arm, double position, double rotation) {
   const int count = twistParameterCount(arm);
   // Half of the variance is of the axis itself, half of the links before it.
@@ -77,6 +51,40 @@ Eigen::MatrixXd twistTolerance(const Arm& arm, double position, double rotation)
   return covariance;
 }
 
+std::vector<TargetPoint> pointsOf(const Observation& observation) {
+  std::vector<TargetPoint> points;
+  for (const CornerMeasurement& corner : observation.corners) points.push_back({corner.id, corner.p_target});
+  return points;
+}
+
+/// Groups of which only what is asked for remains; all where nothing is asked.
+const std::vector<std::vector<std::size_t>>& chosen(const MeasuredCell& measured, const std::vector<std::vector<std::size_t>>& groups) {
+  return groups.empty() ? measured.groups : groups;
+}
+
+std::shared_ptr<const CaptureContext> contextOf(const MeasuredCell& measured, const ModelState& state) {
+  return makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples, measured.other_columns);
+}
+
+/// Points moved as the target is bent, pixels moved back, seen by the camera as it is disturbed.
+PlainSight plainSight(const Cell& cell, const Observation& observation, const Disturbance& disturbance) {
+  PlainSight plain{cell, observation};
+  if (cell.camera) plain.cell.camera = disturbedCamera(cell, disturbance);
+  for (std::size_t j = 0; j < observation.corners.size(); ++j) {
+    plain.observation.corners[j].p_target += disturbance.points[j];
+    plain.observation.corners[j].px -= disturbance.pixels[j];
+  }
+  return plain;
+}
+
+}  // namespace
+
+TwistPrior::TwistPrior(const Arm& arm, double position, double rotation) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(twistTolerance(arm, position, rotation));
+  precision = llt.solve(Eigen::MatrixXd::Identity(llt.rows(), llt.cols()));
+  log_determinant = -2.0 * llt.matrixLLT().diagonal().array().log().sum();
+}
+
 Eigen::VectorXd ObservationRows::along(const Disturbance& direction) const {
   Eigen::VectorXd motion = rows.H * ports.along(direction);
   if (rows.K.cols() > 0 && direction.intrinsics.size() > 0) motion += rows.K * direction.intrinsics;
@@ -88,6 +96,12 @@ Eigen::VectorXd ObservationRows::along(const Disturbance& direction) const {
     if (!direction.pixels.empty()) motion.segment<2>(row) += direction.pixels[j] / unit_sigma[j];
   }
   return motion;
+}
+
+int CaptureRows::groupSize(std::size_t g) const {
+  int size = 0;
+  for (const std::size_t k : groups[g]) size += observations[k].size;
+  return size;
 }
 
 PlainSight plainSight(const MeasuredCell& measured, const ModelState& state, const ObservationRows& part) {
@@ -126,7 +140,7 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
   all.J.resize(begin, layout.total);
   for (const ObservationRows& part : all.observations) {
     all.r.segment(part.begin, part.size) = part.rows.r;
-    const PoseDerivative pose = evaluatePose(state.cell, layout, measured.observations[part.context.number]);
+    const PoseDerivative pose = evaluatePose(state.cell, layout, measured.observations[part.context.number], part.context.chain);
     all.J.block(part.begin, 0, part.size, layout.pose_parameters) = part.rows.H * pose.M;
     if (layout.intrinsics >= 0) all.J.block(part.begin, layout.intrinsics, part.size, part.rows.K.cols()) = part.rows.K;
   }

@@ -15,6 +15,17 @@
 
 namespace poecal {
 
+/// What tolerances say of the twist parameters beta about the nominal arm: beta ~ N(0, inverse of `precision`). Each axis is off by itself
+/// (1 sigma tilt and shift), and each link is wrongly shaped, which moves all that comes after it together. Joint zeros may be anywhere,
+/// since no data can tell them.
+struct TwistPrior {
+  TwistPrior() = default;
+  /// @param position, rotation  1 sigma of an axis' place [m] and tilt [rad].
+  TwistPrior(const Arm& arm, double position, double rotation);
+  Eigen::MatrixXd precision;
+  double log_determinant = 0.0;  ///< of the precision
+};
+
 /// What was measured, and what is believed of the cell before looking at it.
 struct MeasuredCell {
   Cell start;           ///< nominal arm, registered: what the priors are about
@@ -25,14 +36,10 @@ struct MeasuredCell {
   std::vector<std::vector<std::size_t>> groups;  ///< repeat shots of one pose, as indices into observations
   Target target;
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
-  Eigen::MatrixXd twist_covariance;  ///< of the twist parameters beta about the nominal arm; see twistTolerance
-  Eigen::VectorXd camera_sigma;      ///< stated standard deviations of the intrinsics; empty where they are held
-  int jobs = 1;                      ///< candidates weighed at a time; 0: one per core
+  TwistPrior twists;
+  Eigen::VectorXd camera_sigma;  ///< stated standard deviations of the intrinsics; empty where they are held
+  int jobs = 1;                  ///< candidates weighed at a time; 0: one per core
 };
-
-/// Covariance of the twist parameters of an arm whose parts are made to tolerance: each axis is off by itself (1 sigma tilt and shift), and
-/// each link is wrongly shaped, which moves all that comes after it together. Joint zeros may be anywhere, since no data can tell them.
-Eigen::MatrixXd twistTolerance(const Arm& arm, double position, double rotation);
 
 /// A cell on its way, with the effects that it was given so far.
 struct ModelState {
@@ -60,6 +67,8 @@ struct CaptureRows {
   std::vector<std::vector<std::size_t>> groups;
 
   int size() const { return static_cast<int>(r.size()); }
+  /// Rows of all shots of a pose; they follow each other.
+  int groupSize(std::size_t g) const;
 };
 
 /// What a cell whose target and camera are as they should be would have measured in place of an observation, and that cell: corners without

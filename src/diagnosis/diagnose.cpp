@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "diagnosis/ladder.hpp"
+#include "diagnosis/screening.hpp"
 #include "diagnosis/selection.hpp"
 #include "identification/fit.hpp"
 #include "poecal/core/error.hpp"
@@ -47,7 +48,7 @@ MeasuredCell measuredCell(const Identification& identification, const std::vecto
   measured.target = target;
   measured.gravity = gravity;
   measured.jobs = options.jobs;
-  measured.twist_covariance = twistTolerance(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
+  measured.twists = TwistPrior(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
   return measured;
 }
 

@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-
-#include "poecal/core/parallel.hpp"
 
 namespace poecal {
 namespace {
@@ -22,7 +19,25 @@ double logMeanExp(const std::vector<double>& values) {
   return largest + std::log(sum / static_cast<double>(values.size()));
 }
 
-/// Evidence from the projected information S and score u of the columns' factors.
+/// The accepted ones' factors: wide about what was found, so that nothing is drawn to zero; what hangs on them as narrow as it was.
+ColumnPrior priorOf(const std::vector<Accepted>& accepted) {
+  constexpr double kWide = 10.0;
+  ColumnPrior prior = ColumnPrior::none(0);
+  for (const Accepted& one : accepted) {
+    Eigen::VectorXd sigma = one.scale * one.candidate.typical;
+    if (one.candidate.known()) sigma.head(static_cast<Eigen::Index>(one.candidate.linear.size())) *= kWide;
+    prior = prior.joinedWith(ColumnPrior::independent(sigma, one.factors));
+  }
+  return prior;
+}
+
+}  // namespace
+
+const std::vector<double>& evidenceScales() {
+  static const std::vector<double> scales{0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0};
+  return scales;
+}
+
 Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Eigen::VectorXd& typical) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(typical.asDiagonal() * S * typical.asDiagonal());
   const Eigen::VectorXd z = eigen.eigenvectors().transpose() * typical.cwiseProduct(u);
@@ -52,29 +67,14 @@ Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Ei
   return evidence;
 }
 
-/// The accepted ones' factors: wide about what was found, so that nothing is drawn to zero; what hangs on them as narrow as it was.
-ColumnPrior priorOf(const std::vector<Accepted>& accepted) {
-  constexpr double kWide = 10.0;
-  ColumnPrior prior = ColumnPrior::none(0);
-  for (const Accepted& one : accepted) {
-    Eigen::VectorXd sigma = one.scale * one.candidate.typical;
-    if (one.candidate.known()) sigma.head(static_cast<Eigen::Index>(one.candidate.linear.size())) *= kWide;
-    prior = prior.joinedWith(ColumnPrior::independent(sigma, one.factors));
-  }
-  return prior;
-}
-
-}  // namespace
-
-const std::vector<double>& evidenceScales() {
-  static const std::vector<double> scales{0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0};
-  return scales;
-}
-
 Eigen::MatrixXd Linearised::allColumns() const {
   Eigen::MatrixXd all(rows.size(), rows.J.cols() + columns.cols());
   all << rows.J, columns;
   return all;
+}
+
+Eigen::VectorXd Linearised::residual() const {
+  return rows.r - rows.J * noise.b.head(rows.J.cols()) - columns * noise.b.tail(columns.cols());
 }
 
 Linearised linearise(const MeasuredCell& measured, const ModelState& state, const std::vector<Accepted>& accepted,
@@ -110,24 +110,6 @@ void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearise
   linear.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, linear.columns, linear.column_prior, &from);
 }
 
-std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candidate>& candidates) {
-  const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
-  const Eigen::MatrixXd X = linear.allColumns();
-  const Eigen::MatrixXd white = whitening.apply(X);
-  const Eigen::VectorXd r = whitening.apply(linear.rows.r);
-  const Eigen::VectorXd residual = r - white * linear.noise.b;
-  // The covariance of the base columns' factors is the inverse of their information with the priors.
-  std::vector<Evidence> all(candidates.size());
-  parallelFor(candidates.size(), linear.jobs, [&](std::size_t k) {
-    const Candidate& candidate = candidates[k];
-    const Eigen::MatrixXd columns = whitening.apply(columnsOf(candidate, linear.rows));
-    const Eigen::MatrixXd cross = white.transpose() * columns;
-    const Eigen::MatrixXd S = columns.transpose() * columns - cross.transpose() * (linear.noise.covariance * cross);
-    all[k] = evidenceOf(S, columns.transpose() * residual, candidate.typical);
-  });
-  return all;
-}
-
 ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, double start_scale) {
   const Eigen::MatrixXd columns = columnsOf(candidate, linear.rows);
   Eigen::MatrixXd extra(linear.rows.size(), linear.columns.cols() + columns.cols());
@@ -139,22 +121,19 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
   ExactEvidence exact;
   exact.scale = start_scale;
   exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(start_scale), &linear.noise, kPrecision);
-  Eigen::MatrixXd X(linear.rows.size(), linear.rows.J.cols() + extra.cols());
-  X << linear.rows.J, extra;
   const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
-  const double penalty =
-      likelihoodAt(linear.rows, linear.components, exact.noise.theta, X, base.joinedWith(prior(start_scale))).log_likelihood -
-      exact.noise.log_likelihood;
+  std::vector<ColumnPrior> priors{base.joinedWith(prior(start_scale))};
+  for (const double scale : evidenceScales()) priors.push_back(base.joinedWith(prior(scale)));
+  const std::vector<NoiseEstimate> estimates = likelihoodsAt(linear.rows, linear.components, exact.noise.theta, extra, priors);
+  const double penalty = estimates.front().log_likelihood - exact.noise.log_likelihood;
   std::vector<double> over_scales;
   double best = -std::numeric_limits<double>::infinity();
-  for (const double scale : evidenceScales()) {
-    NoiseEstimate here = likelihoodAt(linear.rows, linear.components, exact.noise.theta, X, base.joinedWith(prior(scale)));
+  for (std::size_t i = 0; i < evidenceScales().size(); ++i) {
+    const NoiseEstimate& here = estimates[i + 1];
     over_scales.push_back(here.log_likelihood - penalty - linear.noise.log_likelihood);
     if (here.log_likelihood > best) {
       best = here.log_likelihood;
-      exact.scale = scale;
-      here.tolerance = exact.noise.tolerance;
-      here.theta = exact.noise.theta;
+      exact.scale = evidenceScales()[i];
       exact.noise.b = here.b;
       exact.noise.covariance = here.covariance;
     }
@@ -164,10 +143,11 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
 }
 
 ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& measured, std::size_t k) {
-  Linearised with = linear;
-  with.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
+  std::vector<NoiseComponent> components = linear.components;
+  components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
   ExactEvidence exact;
-  exact.noise = estimateNoise(measured, with.state, with.rows, with.components, with.columns, with.column_prior, &linear.noise, kPrecision);
+  exact.noise =
+      estimateNoise(measured, linear.state, linear.rows, components, linear.columns, linear.column_prior, &linear.noise, kPrecision);
   // One variance more: what was a factor of e^3 either way is known to a few tens of percent.
   constexpr double kOccam = 1.5;
   exact.log_bayes = exact.noise.log_likelihood - linear.noise.log_likelihood - kOccam;

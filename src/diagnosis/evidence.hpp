@@ -1,4 +1,4 @@
-// How strongly the rows speak for an explanation: all of them from one linearisation, and the best few with the noise estimated anew.
+// How strongly the rows speak for an explanation, with the noise estimated anew beside it; screening.hpp weighs all of them at once.
 #pragma once
 
 #include <vector>
@@ -27,8 +27,10 @@ struct Linearised {
   NoiseEstimate noise;  ///< with all of this
   int jobs = 1;         ///< as MeasuredCell's
 
-  /// Columns of the base model, then those of what was accepted.
+  /// X: columns of the base model, then those of what was accepted.
   Eigen::MatrixXd allColumns() const;
+  /// r - X b.
+  Eigen::VectorXd residual() const;
 };
 
 /// @param groups  the poses to use; empty: all. @param scatter  joints that move at random by themselves.
@@ -46,11 +48,11 @@ struct Evidence {
   double information = 0.0;  ///< mean over the columns of information on a factor in units of the typical
 };
 
+/// Evidence of columns whose factors have 1 sigma `typical`, from what all else leaves of their information S and score u.
+Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Eigen::VectorXd& typical);
+
 /// Sizes in units of the typical over which evidence is averaged.
 const std::vector<double>& evidenceScales();
-
-/// Evidence of all candidates from one linearisation, at its noise.
-std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candidate>& candidates);
 
 /// Evidence of one candidate with the noise estimated anew beside it.
 struct ExactEvidence {

@@ -67,18 +67,18 @@ std::vector<double> expectedSquares(const Linearised& linear) {
   return squares;
 }
 
-/// The noise as a fit sees it that takes all of it for single corners' own: the same in all, and of the same mean square.
-NoiseEstimate asCornerNoise(const Linearised& linear) {
-  NoiseEstimate noise = linear.noise;
-  const auto corner = std::find_if(linear.components.begin(), linear.components.end(), [](const auto& c) { return c.name == "corner"; });
+/// A noise of the capture as a fit sees it that takes all of it for single corners' own: the same in all, and of the same mean square.
+NoiseEstimate asCornerNoise(const Linearised& linear, const NoiseEstimate& noise) {
+  const auto corner = std::find_if(linear.components.begin(), linear.components.end(), [](const auto& c) { return c.white; });
   if (corner == linear.components.end()) return noise;
   double squares = 0.0;
-  for (std::size_t i = 0; i < linear.components.size(); ++i) {
-    for (const Eigen::MatrixXd& Z : linear.components[i].Z) squares += noise.theta(static_cast<Eigen::Index>(i)) * Z.squaredNorm();
+  for (Eigen::Index i = 0; i < noise.theta.size(); ++i) {
+    for (const Eigen::MatrixXd& Z : linear.components[static_cast<std::size_t>(i)].Z) squares += noise.theta(i) * Z.squaredNorm();
   }
-  noise.theta.setZero();
-  noise.theta(corner - linear.components.begin()) = squares / linear.rows.size();
-  return noise;
+  NoiseEstimate white = noise;
+  white.theta.setZero();
+  white.theta(corner - linear.components.begin()) = squares / linear.rows.size();
+  return white;
 }
 
 }  // namespace
@@ -152,20 +152,17 @@ std::vector<Rung> Ladder::geometricRungs() const {
   std::vector<Rung> rungs;
   rungs.push_back(judged("nominal", [&](const Groups&) { return Fitted{nominal, {}}; }));
   rungs.push_back(judged("registered", [&](const Groups& train) {
-    MeasuredCell registration = measured;
-    registration.free = {.near = measured.free.near, .far = measured.free.far};
-    registration.twist_covariance.resize(0, 0);
     std::vector<Observation> some;
     for (const std::vector<std::size_t>& group : train) {
       for (const std::size_t k : group) some.push_back(measured.observations[k]);
     }
     AdjustmentOptions options;
-    options.free = registration.free;
+    options.free = {.near = measured.free.near, .far = measured.free.far};
     ModelState state{CellState(measured.start, measured.free), {}};
     if (options.free.near) state.cell.cell = adjust(measured.start, some, options).cell;
     return Fitted{state, {}};
   }));
-  rungs.push_back(fitted("identified", selection_.base, {}, {}, asCornerNoise(selection_.base_linear)));
+  rungs.push_back(fitted("identified", selection_.base, {}, {}, asCornerNoise(selection_.linear, selection_.base_noise)));
   return rungs;
 }
 
@@ -191,7 +188,7 @@ Rung Ladder::rungWith(const std::string& stage, const std::vector<std::size_t>& 
   // What a single pose is worth does not hang on which rung it judges: the noise is that of the whole model.
   if (static_cast<std::ptrdiff_t>(scatter.size()) == all_scatter) return fitted(stage, start, accepted, scatter, selection_.linear.noise);
   // A joint that moves at random is noise itself: who does not know of it takes it for that of all joints.
-  const Linearised without = refit(selection_.measured, start, accepted, scatter, selection_.base_linear.noise, {}, true);
+  const Linearised without = refit(selection_.measured, start, accepted, scatter, selection_.base_noise, {}, true);
   return fitted(stage, start, accepted, scatter, without.noise);
 }
 

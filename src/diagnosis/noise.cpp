@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
+#include "diagnosis/condensed_rows.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 
@@ -18,30 +18,19 @@ constexpr double kStartCorner = 0.1;          // [px]
 constexpr double kStartTag = 0.02;            // [px]
 constexpr double kStartRepeatability = 2e-5;  // [rad]
 
-int groupRows(const CaptureRows& rows, std::size_t g) {
-  int count = 0;
-  for (const std::size_t k : rows.groups[g]) count += rows.observations[k].size;
-  return count;
-}
-
 /// One component from a function that gives its columns in one observation. Columns of the observations of a pose stand side by side, or,
 /// where the pose has one draw for all its shots, below each other.
 template <typename Columns>
 NoiseComponent component(const CaptureRows& rows, const std::string& name, double start, bool shared_by_shots, Columns columns) {
   NoiseComponent made{.name = name, .start = start, .Z = {}};
+  made.Z.reserve(rows.groups.size());
   for (std::size_t g = 0; g < rows.groups.size(); ++g) {
-    std::vector<Eigen::MatrixXd> parts;
-    Eigen::Index width = 0;
-    for (const std::size_t k : rows.groups[g]) {
-      parts.push_back(columns(rows.observations[k]));
-      width = shared_by_shots ? parts.back().cols() : width + parts.back().cols();
-    }
-    Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(groupRows(rows, g), width);
-    Eigen::Index row = 0, column = 0;
-    for (const Eigen::MatrixXd& part : parts) {
+    Eigen::MatrixXd Z = columns(rows.observations[rows.groups[g].front()]);
+    for (std::size_t shot = 1; shot < rows.groups[g].size(); ++shot) {
+      const Eigen::MatrixXd part = columns(rows.observations[rows.groups[g][shot]]);
+      const Eigen::Index row = Z.rows(), column = shared_by_shots ? 0 : Z.cols();
+      Z.conservativeResizeLike(Eigen::MatrixXd::Zero(row + part.rows(), column + part.cols()));
       Z.block(row, column, part.rows(), part.cols()) = part;
-      row += part.rows();
-      if (!shared_by_shots) column += part.cols();
     }
     made.Z.push_back(std::move(Z));
   }
@@ -80,20 +69,24 @@ bool hasRedundantTags(const CaptureRows& rows) {
   });
 }
 
-/// Rows of the poses and what they say of the columns, at one C.
+/// What the rows say of the columns at one set of variances, whatever is believed of the columns.
 struct Normal {
-  Eigen::MatrixXd A;  ///< X' C^-1 X + Lambda
-  Eigen::VectorXd g;  ///< X' C^-1 r - Lambda b0
-  Eigen::MatrixXd X;  ///< whitened
-  Eigen::VectorXd r;  ///< whitened
+  Eigen::MatrixXd squares;       ///< [X r]' C^-1 [X r]
+  double log_determinant = 0.0;  ///< of C
 };
 
-Normal normalOf(const Whitening& whitening, const CaptureRows& rows, const Eigen::MatrixXd& X, const ColumnPrior& prior) {
-  Normal normal;
-  normal.X = whitening.apply(X);
-  normal.r = whitening.apply(rows.r);
-  normal.A = normal.X.transpose() * normal.X + prior.precision;
-  normal.g = normal.X.transpose() * normal.r - prior.precision * prior.offset;
+Normal normalOf(const CondensedRows& rows, const Eigen::VectorXd& theta) {
+  Normal normal{Eigen::MatrixXd::Zero(rows.Xr.cols(), rows.Xr.cols()), 0.0};
+  forWhitenedPoses(rows, theta, [&normal](const WhitenedPoses& some) {
+    normal.squares.selfadjointView<Eigen::Lower>().rankUpdate(some.Xr.transpose());
+    for (const Eigen::MatrixXd& L : some.L) normal.log_determinant += 2.0 * L.diagonal().array().log().sum();
+  });
+  normal.squares.triangularView<Eigen::StrictlyUpper>() = normal.squares.transpose();
+  if (rows.white) {
+    const double variance = theta(static_cast<Eigen::Index>(*rows.white));
+    normal.squares += rows.squares / variance;
+    normal.log_determinant += rows.beyond * std::log(variance);
+  }
   return normal;
 }
 
@@ -109,6 +102,12 @@ class ScaledInverse {
     log_determinant_ = 2.0 * llt_.matrixLLT().diagonal().array().log().sum() - 2.0 * d_.array().log().sum();
   }
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const { return d_.asDiagonal() * llt_.solve(Eigen::MatrixXd(d_.asDiagonal() * B)); }
+  /// F with F' F the inverse, times B.
+  Eigen::MatrixXd half(const Eigen::MatrixXd& B) const {
+    Eigen::MatrixXd halved = d_.asDiagonal() * B;
+    llt_.matrixL().solveInPlace(halved);
+    return halved;
+  }
   double logDeterminant() const { return log_determinant_; }
 
  private:
@@ -117,16 +116,23 @@ class ScaledInverse {
   double log_determinant_ = 0.0;
 };
 
-NoiseEstimate evaluated(const Whitening& whitening, const Normal& normal, const Eigen::VectorXd& theta, const ColumnPrior& prior,
-                        const ScaledInverse& inverse) {
+/// What follows from the rows and the prior together.
+struct Posterior {
+  Posterior(const Normal& normal, const Eigen::VectorXd& theta, const ColumnPrior& prior)
+      : columns(normal.squares.cols() - 1), inverse(normal.squares.topLeftCorner(columns, columns) + prior.precision) {
+    const Eigen::VectorXd g = normal.squares.topRightCorner(columns, 1) - prior.precision * prior.offset;
+    estimate.theta = theta;
+    estimate.b = inverse.solve(g);
+    estimate.misfit = normal.squares(columns, columns) + prior.offset.dot(prior.precision * prior.offset);
+    const double quadratic = estimate.misfit - estimate.b.dot(g);
+    estimate.log_likelihood = -0.5 * (normal.log_determinant + inverse.logDeterminant() - prior.log_determinant + quadratic);
+  }
+  Eigen::MatrixXd covariance() const { return inverse.solve(Eigen::MatrixXd::Identity(columns, columns)); }
+
+  Eigen::Index columns;
+  ScaledInverse inverse;
   NoiseEstimate estimate;
-  estimate.theta = theta;
-  estimate.b = inverse.solve(normal.g);
-  const double constant = prior.offset.dot(prior.precision * prior.offset);
-  const double quadratic = normal.r.squaredNorm() + constant - estimate.b.dot(normal.g);
-  estimate.log_likelihood = -0.5 * (whitening.logDeterminant() + inverse.logDeterminant() - prior.log_determinant + quadratic);
-  return estimate;
-}
+};
 
 /// What is believed of a variance before: joints come back to some 1e-5 rad, and farther is believed less and less.
 struct VariancePrior {
@@ -148,38 +154,77 @@ struct Slope {
   Eigen::MatrixXd information;
 };
 
-Slope slopeOf(const Whitening& whitening, const Normal& normal, const Eigen::VectorXd& b, const std::vector<NoiseComponent>& components,
-              const Eigen::VectorXd& theta, const ScaledInverse& inverse) {
-  const auto count = static_cast<Eigen::Index>(components.size());
-  const Eigen::VectorXd residual = normal.r - normal.X * b;  // L^-1 (r - X b)
-  Eigen::MatrixXd moved(residual.size(), count);             // L^-1 V_i P r
-  Slope slope;
-  slope.gradient.resize(count);
-  std::vector<Eigen::MatrixXd> spread(components.size(), Eigen::MatrixXd::Zero(b.size(), b.size()));
-  for (Eigen::Index i = 0; i < count; ++i) {
-    double trace = 0.0, quadratic = 0.0;
-    for (std::size_t g = 0; g < whitening.poses(); ++g) {
-      const Eigen::MatrixXd& Z = components[static_cast<std::size_t>(i)].Z[g];
-      const int begin = whitening.begin(g), size = whitening.size(g);
-      if (Z.cols() == 0) {
-        moved.block(begin, i, size, 1).setZero();
-        continue;
-      }
-      const Eigen::MatrixXd W = whitening.applyTo(g, Z);
-      const Eigen::VectorXd projected = W.transpose() * residual.segment(begin, size);
-      trace += W.squaredNorm();
-      quadratic += projected.squaredNorm();
-      moved.block(begin, i, size, 1) = W * projected;
-      const Eigen::MatrixXd cross = normal.X.middleRows(begin, size).transpose() * W;
-      spread[static_cast<std::size_t>(i)].noalias() += cross * cross.transpose();
+/// Sums over the poses that the slope is made of, for each component V_i = Z_i Z_i' (P is what C^-1 is beside the columns).
+struct SlopeSums {
+  explicit SlopeSums(Eigen::Index columns, Eigen::Index count)
+      : trace(Eigen::VectorXd::Zero(count)),
+        taken(trace),
+        quadratic(trace),
+        moved(Eigen::MatrixXd::Zero(count, count)),
+        halved(Eigen::MatrixXd::Zero(columns, count)) {}
+  Eigen::VectorXd trace;      ///< trace(C^-1 V_i)
+  Eigen::VectorXd taken;      ///< trace(A^-1 X' C^-1 V_i C^-1 X)
+  Eigen::VectorXd quadratic;  ///< r' P V_i P r
+  Eigen::MatrixXd moved;      ///< r' P V_i C^-1 V_j P r
+  Eigen::MatrixXd halved;     ///< F X' C^-1 V_i P r
+};
+
+void addPoses(const CondensedRows& rows, const Posterior& posterior, const WhitenedPoses& some, SlopeSums& sums) {
+  const Eigen::Index columns = posterior.columns;
+  const Eigen::MatrixXd X = some.Xr.leftCols(columns);
+  const Eigen::VectorXd residual = some.Xr.col(columns) - X * posterior.estimate.b;
+  const Eigen::MatrixXd halved = posterior.inverse.half(X.transpose());
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(some.Xr.rows(), sums.trace.size());
+  Eigen::MatrixXd W, crossed;
+  for (std::size_t g = some.begin; g < some.end; ++g) {
+    const CondensedRows::Pose& pose = rows.poses[g];
+    const Eigen::Index row = pose.begin - some.row;
+    const Eigen::Index own = rows.white ? pose.size : 0;
+    W.resize(pose.size, own + pose.Z.cols());
+    W.leftCols(own).setIdentity();
+    W.rightCols(pose.Z.cols()) = pose.Z;
+    some.L[g - some.begin].triangularView<Eigen::Lower>().solveInPlace(W);
+    crossed.noalias() = halved.middleCols(row, pose.size) * W;
+    const Eigen::VectorXd projected = W.transpose() * residual.segment(row, pose.size);
+    Eigen::Index next = own;
+    for (Eigen::Index i = 0; i < sums.trace.size(); ++i) {
+      const bool is_white = static_cast<std::size_t>(i) == rows.white;
+      const Eigen::Index begin = is_white ? 0 : next, width = is_white ? own : pose.width[static_cast<std::size_t>(i)];
+      if (!is_white) next += width;
+      sums.trace(i) += W.middleCols(begin, width).squaredNorm();
+      sums.taken(i) += crossed.middleCols(begin, width).squaredNorm();
+      sums.quadratic(i) += projected.segment(begin, width).squaredNorm();
+      moved.col(i).segment(row, pose.size).noalias() = W.middleCols(begin, width) * projected.segment(begin, width);
     }
-    const double taken = inverse.solve(spread[static_cast<std::size_t>(i)]).trace();
-    slope.gradient(i) = 0.5 * theta(i) * (quadratic - (trace - taken));
   }
-  const Eigen::MatrixXd cross = normal.X.transpose() * moved;
-  slope.information = 0.5 * (moved.transpose() * moved - cross.transpose() * inverse.solve(cross));
+  sums.moved.noalias() += moved.transpose() * moved;
+  sums.halved.noalias() += halved * moved;
+}
+
+/// The rows beyond the spans, where C is theta I.
+void addBeyond(const CondensedRows& rows, const Posterior& posterior, double theta, SlopeSums& sums) {
+  const auto white = static_cast<Eigen::Index>(*rows.white);
+  const Eigen::Index columns = posterior.columns;
+  const Eigen::MatrixXd XX = rows.squares.topLeftCorner(columns, columns);
+  const Eigen::VectorXd Xr = rows.squares.topRightCorner(columns, 1), &b = posterior.estimate.b;
+  const double square = rows.squares(columns, columns) - 2.0 * b.dot(Xr) + b.dot(XX * b);  // of r - X b
+  sums.trace(white) += rows.beyond / theta;
+  sums.taken(white) += posterior.inverse.solve(XX).trace() / (theta * theta);
+  sums.quadratic(white) += square / (theta * theta);
+  sums.moved(white, white) += square / (theta * theta * theta);
+  sums.halved.col(white) += posterior.inverse.half(Xr - XX * b) / (theta * theta);
+}
+
+Slope slopeOf(const CondensedRows& rows, const Posterior& posterior, const std::vector<NoiseComponent>& components) {
+  const Eigen::VectorXd& theta = posterior.estimate.theta;
+  SlopeSums sums(posterior.columns, theta.size());
+  forWhitenedPoses(rows, theta, [&](const WhitenedPoses& some) { addPoses(rows, posterior, some, sums); });
+  if (rows.white) addBeyond(rows, posterior, theta(static_cast<Eigen::Index>(*rows.white)), sums);
+  Slope slope;
+  slope.gradient = 0.5 * theta.cwiseProduct(sums.quadratic - (sums.trace - sums.taken));
+  slope.information = 0.5 * (sums.moved - sums.halved.transpose() * sums.halved);
   slope.information = theta.asDiagonal() * slope.information * theta.asDiagonal();
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (Eigen::Index i = 0; i < theta.size(); ++i) {
     const VariancePrior prior = variancePrior(components[static_cast<std::size_t>(i)], theta(i));
     slope.gradient(i) -= prior.gradient;
     slope.information(i, i) += prior.curvature;
@@ -188,38 +233,32 @@ Slope slopeOf(const Whitening& whitening, const Normal& normal, const Eigen::Vec
 }
 
 /// MacKay's fixed point for the factor by which the arm exceeds its tolerances; see basePrior.
-double updatedTolerance(const MeasuredCell& measured, const ModelState& state, const Eigen::VectorXd& b, const ScaledInverse& inverse,
-                        double tolerance, Eigen::Index columns) {
-  const Eigen::Index twists = measured.twist_covariance.rows();
+double updatedTolerance(const MeasuredCell& measured, const ModelState& state, const Posterior& posterior) {
+  const Eigen::MatrixXd& precision = measured.twists.precision;
+  const Eigen::Index twists = precision.rows();
   if (twists == 0) return 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> covariance(measured.twist_covariance);
-  const Eigen::VectorXd beta = state.cell.beta + b.head(twists);
-  const Eigen::MatrixXd variance = inverse.solve(Eigen::MatrixXd::Identity(columns, columns)).topLeftCorner(twists, twists);
-  const double spread = beta.dot(covariance.solve(beta));
-  const double known = static_cast<double>(twists) - covariance.solve(variance).trace() / (tolerance * tolerance);
+  const double tolerance = posterior.estimate.tolerance;
+  const Eigen::VectorXd beta = state.cell.beta + posterior.estimate.b.head(twists);
+  const Eigen::MatrixXd variance = posterior.inverse.solve(Eigen::MatrixXd::Identity(posterior.columns, twists)).topRows(twists);
+  const double spread = beta.dot(precision * beta);
+  const double known = static_cast<double>(twists) - precision.cwiseProduct(variance).sum() / (tolerance * tolerance);
   return std::clamp(std::sqrt(spread / std::max(known, 1.0)), 1.0, 1e3);
 }
 
 /// An arm beyond its tolerances is believed less and less: a factor e costs two units of log-likelihood.
 double tolerancePenalty(double tolerance) { return 2.0 * std::pow(std::log(tolerance), 2); }
 
-/// All that is known at one set of variances.
-struct NoisePoint {
-  NoisePoint(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta, const Eigen::MatrixXd& X,
-             const ColumnPrior& prior, double tolerance)
-      : whitening(rows, components, theta), normal(normalOf(whitening, rows, X, prior)), inverse(normal.A) {
-    estimate = evaluated(whitening, normal, theta, prior, inverse);
-    estimate.tolerance = tolerance;
-    estimate.log_likelihood -= tolerancePenalty(tolerance);
-    for (std::size_t i = 0; i < components.size(); ++i) {
-      estimate.log_likelihood -= variancePrior(components[i], theta(static_cast<Eigen::Index>(i))).penalty;
-    }
+/// All that is known at one set of variances, with what is believed of them.
+Posterior posteriorAt(const CondensedRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta,
+                      const ColumnPrior& prior, double tolerance) {
+  Posterior posterior(normalOf(rows, theta), theta, prior);
+  posterior.estimate.tolerance = tolerance;
+  posterior.estimate.log_likelihood -= tolerancePenalty(tolerance);
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    posterior.estimate.log_likelihood -= variancePrior(components[i], theta(static_cast<Eigen::Index>(i))).penalty;
   }
-  Whitening whitening;
-  Normal normal;
-  ScaledInverse inverse;
-  NoiseEstimate estimate;
-};
+  return posterior;
+}
 
 }  // namespace
 
@@ -229,6 +268,7 @@ std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const 
   const bool corners = measured.start.camera.has_value();
   if (corners) {
     components.push_back(component(rows, "corner", kStartCorner * kStartCorner, false, identity));
+    components.back().white = true;
     if (hasRedundantTags(rows)) components.push_back(component(rows, "tag", kStartTag * kStartTag, false, tagColumns));
   } else {
     const auto part_of = [](Eigen::Index begin) {
@@ -240,6 +280,7 @@ std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const 
         std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& p) { return p.size == 6; });
     if (whole) components.push_back(component(rows, "rotation", 1.0, false, part_of(0)));
     components.push_back(component(rows, "position", 1.0, false, part_of(3)));
+    components.back().white = !whole;
   }
   const bool arm =
       std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& p) { return p.ports.joints.cols() > 0; });
@@ -258,61 +299,18 @@ NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start
   });
 }
 
-ColumnPrior ColumnPrior::none(Eigen::Index columns) {
-  return {Eigen::VectorXd::Zero(columns), Eigen::MatrixXd::Zero(columns, columns), 0.0};
-}
-
-ColumnPrior ColumnPrior::independent(const Eigen::VectorXd& sigma, const Eigen::VectorXd& offset) {
-  ColumnPrior prior{offset, sigma.array().square().inverse().matrix().asDiagonal(), 0.0};
-  prior.log_determinant = -2.0 * sigma.array().log().sum();
-  return prior;
-}
-
-ColumnPrior ColumnPrior::joinedWith(const ColumnPrior& other) const {
-  ColumnPrior both = none(offset.size() + other.offset.size());
-  both.offset << offset, other.offset;
-  both.precision.topLeftCorner(offset.size(), offset.size()) = precision;
-  both.precision.bottomRightCorner(other.offset.size(), other.offset.size()) = other.precision;
-  both.log_determinant = log_determinant + other.log_determinant;
-  return both;
-}
-
-ColumnPrior basePrior(const MeasuredCell& measured, const ModelState& state, double tolerance) {
-  const ParameterLayout layout(state.cell.cell, measured.free);
-  ColumnPrior prior = ColumnPrior::none(layout.total);
-  const Eigen::Index twists = measured.twist_covariance.rows();
-  if (twists > 0) {
-    const Eigen::LLT<Eigen::MatrixXd> llt(measured.twist_covariance * (tolerance * tolerance));
-    prior.precision.topLeftCorner(twists, twists) = llt.solve(Eigen::MatrixXd::Identity(twists, twists));
-    prior.offset.head(twists) = state.cell.beta;
-    prior.log_determinant -= 2.0 * llt.matrixLLT().diagonal().array().log().sum();
-  }
-  if (layout.far >= 0) {
-    prior.precision.diagonal().segment<3>(layout.far + 3).setConstant(1.0 / (kFarPosition * kFarPosition));
-    prior.offset.segment<3>(layout.far + 3) = farMotion(state.cell.cell, measured.start);
-    prior.log_determinant -= 6.0 * std::log(kFarPosition);
-  }
-  if (layout.intrinsics >= 0) {
-    const Eigen::VectorXd move = state.cell.cell.camera->parameters() - measured.start.camera->parameters();
-    for (Eigen::Index k = 0; k < measured.camera_sigma.size(); ++k) {
-      const double sigma = measured.camera_sigma(k);
-      if (!(sigma > 0.0)) continue;
-      prior.precision(layout.intrinsics + k, layout.intrinsics + k) = 1.0 / (sigma * sigma);
-      prior.offset(layout.intrinsics + k) = move(k);
-      prior.log_determinant -= 2.0 * std::log(sigma);
-    }
-  }
-  return prior;
-}
-
 Whitening::Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta) {
   int begin = 0;
   for (std::size_t g = 0; g < rows.groups.size(); ++g) {
-    const int size = groupRows(rows, g);
+    const int size = rows.groupSize(g);
     Eigen::MatrixXd C = Eigen::MatrixXd::Zero(size, size);
     for (std::size_t i = 0; i < components.size(); ++i) {
-      const Eigen::MatrixXd& Z = components[i].Z[g];
-      if (Z.cols() > 0) C.noalias() += theta(static_cast<Eigen::Index>(i)) * (Z * Z.transpose());
+      const double variance = theta(static_cast<Eigen::Index>(i));
+      if (components[i].white) {
+        C.diagonal().array() += variance;
+      } else {
+        C.selfadjointView<Eigen::Lower>().rankUpdate(components[i].Z[g], variance);
+      }
     }
     Eigen::LLT<Eigen::MatrixXd> llt(C);
     if (llt.info() != Eigen::Success)
@@ -338,21 +336,23 @@ std::optional<double> varianceOf(const std::string& name, const std::vector<Nois
   return noise.theta(found - components.begin());
 }
 
-NoiseEstimate likelihoodAt(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta,
-                           const Eigen::MatrixXd& X, const ColumnPrior& prior) {
-  const Whitening whitening(rows, components, theta);
-  const Normal normal = normalOf(whitening, rows, X, prior);
-  const ScaledInverse inverse(normal.A);
-  NoiseEstimate estimate = evaluated(whitening, normal, theta, prior, inverse);
-  estimate.covariance = inverse.solve(Eigen::MatrixXd::Identity(X.cols(), X.cols()));
-  return estimate;
+std::vector<NoiseEstimate> likelihoodsAt(const CaptureRows& rows, const std::vector<NoiseComponent>& components,
+                                         const Eigen::VectorXd& theta, const Eigen::MatrixXd& extra,
+                                         const std::vector<ColumnPrior>& priors) {
+  const Normal normal = normalOf(CondensedRows(rows, components, extra), theta);
+  std::vector<NoiseEstimate> estimates;
+  for (const ColumnPrior& prior : priors) {
+    Posterior posterior(normal, theta, prior);
+    posterior.estimate.covariance = posterior.covariance();
+    estimates.push_back(std::move(posterior.estimate));
+  }
+  return estimates;
 }
 
 NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& state, const CaptureRows& rows,
                             const std::vector<NoiseComponent>& components, const Eigen::MatrixXd& extra, const ColumnPrior& extra_prior,
                             const NoiseEstimate* from, double precision) {
-  Eigen::MatrixXd X(rows.J.rows(), rows.J.cols() + extra.cols());
-  X << rows.J, extra;
+  const CondensedRows condensed(rows, components, extra);
   const auto count = static_cast<Eigen::Index>(components.size());
   Eigen::VectorXd start(count);
   for (Eigen::Index i = 0; i < count; ++i) start(i) = components[static_cast<std::size_t>(i)].start;
@@ -368,12 +368,11 @@ NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& stat
   constexpr double kSmallStart = 0.05;
   Eigen::VectorXd theta = start.cwiseMax(1e6 * kSmallStart * floor);
   double damping = 1e-3;
-  std::unique_ptr<const NoisePoint> best;
+  std::optional<Posterior> best;
   constexpr int kMaxSteps = 40;
   for (int step = 0; step < kMaxSteps; ++step) {
-    auto here = std::make_unique<const NoisePoint>(rows, components, theta, X,
-                                                   basePrior(measured, state, tolerance).joinedWith(extra_prior), tolerance);
-    const double gain = best ? here->estimate.log_likelihood - best->estimate.log_likelihood : 1.0;
+    Posterior here = posteriorAt(condensed, components, theta, basePrior(measured, state, tolerance).joinedWith(extra_prior), tolerance);
+    const double gain = best ? here.estimate.log_likelihood - best->estimate.log_likelihood : 1.0;
     if (best && gain < -1e-9) {
       damping *= 10.0;
       if (damping > 1e6) break;
@@ -383,16 +382,16 @@ NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& stat
       if (settled) break;
       damping = std::max(1e-6, 0.1 * damping);
     }
-    Slope slope = slopeOf(best->whitening, best->normal, best->estimate.b, components, best->estimate.theta, best->inverse);
+    Slope slope = slopeOf(condensed, *best, components);
     slope.information.diagonal().array() += damping * (slope.information.diagonal().array() + 1.0);
     Eigen::VectorXd move = slope.information.ldlt().solve(slope.gradient);
     if (!move.allFinite()) break;
     move = move.cwiseMax(-3.0).cwiseMin(3.0);
     theta = (best->estimate.theta.array() * move.array().exp()).matrix().cwiseMax(floor);
-    tolerance = updatedTolerance(measured, state, best->estimate.b, best->inverse, best->estimate.tolerance, X.cols());
+    tolerance = updatedTolerance(measured, state, *best);
   }
-  NoiseEstimate estimate = best->estimate;
-  estimate.covariance = best->inverse.solve(Eigen::MatrixXd::Identity(X.cols(), X.cols()));
+  NoiseEstimate estimate = std::move(best->estimate);
+  estimate.covariance = best->covariance();
   return estimate;
 }
 

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "diagnosis/capture_rows.hpp"
+#include "diagnosis/column_prior.hpp"
 
 namespace poecal {
 
@@ -23,6 +24,7 @@ constexpr double kMetresPerRadian = 0.1;
 struct NoiseComponent {
   std::string name;    ///< "corner", "tag", "repeatability", "rotation", "position", "scatter joint:3"
   double start = 0.0;  ///< variance to begin from
+  bool white = false;  ///< Z is the identity: every row by itself
   std::vector<Eigen::MatrixXd> Z;
 };
 
@@ -35,21 +37,6 @@ std::string scatterName(std::size_t k);
 
 /// Joint k (from 0) moving at random from pose to pose, by itself. @param start  variance [rad^2].
 NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start);
-
-/// Prior of the columns X: b + offset ~ N(0, inverse of `precision`); zero rows of precision: nothing is known.
-struct ColumnPrior {
-  Eigen::VectorXd offset;
-  Eigen::MatrixXd precision;
-  double log_determinant = 0.0;  ///< of the part of the precision that is not zero
-
-  static ColumnPrior none(Eigen::Index columns);
-  /// Independent columns.
-  static ColumnPrior independent(const Eigen::VectorXd& sigma, const Eigen::VectorXd& offset);
-  ColumnPrior joinedWith(const ColumnPrior& other) const;
-};
-
-/// The base model's prior: twists by the tolerances widened by `tolerance`, stated intrinsics, the far transform by kFarPosition.
-ColumnPrior basePrior(const MeasuredCell& measured, const ModelState& state, double tolerance);
 
 /// Cholesky factors of C, one per pose.
 class Whitening {
@@ -77,18 +64,22 @@ struct NoiseEstimate {
   Eigen::VectorXd theta;   ///< variances of the components
   double tolerance = 1.0;  ///< factor by which the arm exceeds its tolerances, >= 1
   double log_likelihood = 0.0;
-  Eigen::VectorXd b;  ///< of the columns
+  double misfit = 0.0;  ///< r' C^-1 r + b0' Lambda b0: where the rows stand, b = 0
+  Eigen::VectorXd b;    ///< of the columns
   Eigen::MatrixXd covariance;
 };
 
 /// Variance of the component of a name; nothing where it was not estimated.
 std::optional<double> varianceOf(const std::string& name, const std::vector<NoiseComponent>& components, const NoiseEstimate& noise);
 
-/// Marginal log-likelihood at given variances, up to what all models of the same rows share.
-NoiseEstimate likelihoodAt(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta,
-                           const Eigen::MatrixXd& X, const ColumnPrior& prior);
+/// Marginal log-likelihood at given variances with columns `extra` beside those of the base model, up to what all models of the same rows
+/// share; one estimate for each prior of the columns.
+std::vector<NoiseEstimate> likelihoodsAt(const CaptureRows& rows, const std::vector<NoiseComponent>& components,
+                                         const Eigen::VectorXd& theta, const Eigen::MatrixXd& extra,
+                                         const std::vector<ColumnPrior>& priors);
 
-/// Maximises it over the variances and the arm's tolerance. @param extra, extra_prior  columns beside those of the base model.
+/// Maximises the marginal likelihood over the variances and the arm's tolerance. @param extra, extra_prior  columns beside those of the
+/// base model.
 /// @param from  where to begin, or nullptr. @param precision  gain of log-likelihood below which no further step is worth it.
 NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& state, const CaptureRows& rows,
                             const std::vector<NoiseComponent>& components, const Eigen::MatrixXd& extra, const ColumnPrior& extra_prior,

@@ -8,18 +8,10 @@ namespace {
 
 /// The solution of a linearisation at a given noise.
 NoiseEstimate solveAt(const MeasuredCell& measured, const Linearised& linear, const NoiseEstimate& noise) {
-  const Eigen::MatrixXd X = linear.allColumns();
   const ColumnPrior prior = basePrior(measured, linear.state, noise.tolerance).joinedWith(linear.column_prior);
-  NoiseEstimate estimate = likelihoodAt(linear.rows, linear.components, noise.theta, X, prior);
+  NoiseEstimate estimate = likelihoodsAt(linear.rows, linear.components, noise.theta, linear.columns, {prior}).front();
   estimate.tolerance = noise.tolerance;
   return estimate;
-}
-
-/// What the fit makes smallest, where the linearisation stands: squared rows in units of their noise, and the priors.
-double objective(const MeasuredCell& measured, const Linearised& linear, const NoiseEstimate& noise) {
-  const ColumnPrior prior = basePrior(measured, linear.state, noise.tolerance).joinedWith(linear.column_prior);
-  const Whitening whitening(linear.rows, linear.components, noise.theta);
-  return whitening.apply(linear.rows.r).squaredNorm() + prior.offset.dot(prior.precision * prior.offset);
 }
 
 /// Corners that the camera's model has no pixel for: they ask for nothing any more.
@@ -31,17 +23,20 @@ std::size_t lostCorners(const CaptureRows& rows) {
   return lost;
 }
 
-/// Whether a step led to a place that serves the rows worse, by the noise that it was made with.
-bool isWorse(const MeasuredCell& measured, const Linearised& here, const Linearised& before) {
-  return lostCorners(here.rows) > lostCorners(before.rows) ||
-         objective(measured, here, before.noise) > objective(measured, before, before.noise);
-}
-
-/// Where a fit stands.
+/// Where a fit stands, without its linearisation.
 struct Place {
   ModelState state;
   std::vector<Accepted> accepted;
+  NoiseEstimate noise;
+  std::size_t lost = 0;
 };
+
+Place placeOf(const Linearised& linear) { return {linear.state, linear.accepted, linear.noise, lostCorners(linear.rows)}; }
+
+/// Whether a step led to a place that serves the rows worse, both solved at the noise that it was made with.
+bool isWorse(const Linearised& here, const Place& before) {
+  return lostCorners(here.rows) > before.lost || here.noise.misfit > before.noise.misfit;
+}
 
 /// An accepted effect's factors as parameters of the effect.
 void enter(const Accepted& one, Eigen::VectorXd& parameters) {
@@ -49,15 +44,15 @@ void enter(const Accepted& one, Eigen::VectorXd& parameters) {
     parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
 }
 
-/// A state moved by a share of a solution, with the factors of what was accepted.
-Place moved(const MeasuredCell& measured, const Linearised& from, double share) {
-  Place place{from.state, from.accepted};
+/// A place moved by a share of its solution, with the factors of what was accepted.
+Place moved(const MeasuredCell& measured, Place place, double share) {
+  const Eigen::VectorXd& b = place.noise.b;
   const ParameterLayout layout(place.state.cell.cell, measured.free);
-  place.state.cell = place.state.cell.moved(layout, share * from.noise.b.head(layout.total));
+  place.state.cell = place.state.cell.moved(layout, share * b.head(layout.total));
   Eigen::Index begin = layout.total;
   for (Accepted& one : place.accepted) {
     const Eigen::Index count = one.factors.size();
-    one.factors += share * from.noise.b.segment(begin, count);
+    one.factors += share * b.segment(begin, count);
     begin += count;
     if (one.candidate.known()) enter(one, place.state.effects[one.effect].parameters);
   }
@@ -82,38 +77,38 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
     state.effects.push_back({*one.candidate.effect, parameters});
   }
   constexpr int kMaxSteps = 12;
-  constexpr double kSettled = 0.01;   // standard deviations
-  constexpr int kNoiseSteps = 2;      // the second sees residuals that no longer change
-  constexpr double kShortest = 0.01;  // share of a step below which there is no way down
-  int noises = 0;
-  const auto solve = [&](const NoiseEstimate& from, Linearised& linear) {
-    if (new_noise && noises++ < kNoiseSteps) {
-      setNoise(measured, from, linear);
-    } else {
-      linear.noise = solveAt(measured, linear, from);
-    }
-  };
-  Linearised before = linearise(measured, state, accepted, scatter, groups);
-  solve(noise, before);
-  double share = 1.0;
-  for (int step = 1;; ++step) {
-    Place place = moved(measured, before, share);
-    if (share < kShortest) return before;
-    if (largestMove(before.noise) < kSettled || step > kMaxSteps) {
-      // The rows stand where they were linearised; what little moved since is in the solution.
-      before.state = std::move(place.state);
-      before.accepted = std::move(place.accepted);
-      return before;
-    }
-    Linearised here = linearise(measured, place.state, place.accepted, scatter, groups);
-    if (isWorse(measured, here, before)) {
-      share *= 0.5;
-      continue;
-    }
-    solve(before.noise, here);
-    before = std::move(here);
-    share = 1.0;
+  constexpr double kSettled = 0.01;              // standard deviations
+  constexpr int kNoiseSteps = 2;                 // the second sees residuals that no longer change
+  constexpr double kShortest = 0.01;             // share of a step below which there is no way down
+  int noises = new_noise ? kNoiseSteps - 1 : 0;  // still to be estimated anew
+  Linearised here = linearise(measured, state, accepted, scatter, groups);
+  if (new_noise) {
+    setNoise(measured, noise, here);
+  } else {
+    here.noise = solveAt(measured, here, noise);
   }
+  for (int step = 1; step <= kMaxSteps && largestMove(here.noise) >= kSettled; ++step) {
+    const Place before = placeOf(here);
+    double share = 1.0;
+    do {
+      here = {};  // the bulk of the memory; the next one need not stand beside it
+      const Place next = moved(measured, before, share);
+      here = linearise(measured, next.state, next.accepted, scatter, groups);
+      here.noise = solveAt(measured, here, before.noise);
+      share *= 0.5;
+    } while (isWorse(here, before) && share > kShortest);
+    if (isWorse(here, before)) {
+      here = linearise(measured, before.state, before.accepted, scatter, groups);
+      here.noise = before.noise;
+      return here;
+    }
+    if (noises-- > 0) setNoise(measured, before.noise, here);
+  }
+  // The rows stand where they were linearised; what little moves yet is in the solution.
+  Place end = moved(measured, placeOf(here), 1.0);
+  here.state = std::move(end.state);
+  here.accepted = std::move(end.accepted);
+  return here;
 }
 
 }  // namespace poecal

@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "diagnosis/screening.hpp"
 #include "poecal/core/statistics.hpp"
 
 namespace poecal {
@@ -34,8 +35,7 @@ struct WhiteResidual {
 
 WhiteResidual whiteResidual(const Linearised& linear) {
   WhiteResidual white{Whitening(linear.rows, linear.components, linear.noise.theta), {}};
-  const Eigen::MatrixXd X = linear.allColumns();
-  white.e = white.whitening.apply(linear.rows.r - X * linear.noise.b);
+  white.e = white.whitening.apply(linear.residual());
   return white;
 }
 
@@ -175,7 +175,7 @@ class Selector {
     dropBad(kWildAtOnce);
     listCandidates();
     selection_.base = linear_.state;
-    selection_.base_linear = linear_;
+    selection_.base_noise = linear_.noise;
     for (;;) {
       const Ranking ranking = ranker().rank(linear_, taken());
       if (selection_.findings.empty()) {
@@ -191,10 +191,10 @@ class Selector {
       listCandidates();
       if (selection_.findings.empty()) {
         selection_.base = linear_.state;
-        selection_.base_linear = linear_;
+        selection_.base_noise = linear_.noise;
       }
     }
-    selection_.linear = linear_;
+    selection_.linear = std::move(linear_);
     return std::move(selection_);
   }
 
@@ -336,6 +336,7 @@ class Selector {
     // Joints that move at random begin anew: which they are may have changed.
     from.theta.conservativeResize(std::count_if(linear_.components.begin(), linear_.components.end(),
                                                 [](const NoiseComponent& component) { return !component.name.starts_with("scatter"); }));
+    linear_ = {};  // the bulk of the memory; the next one need not stand beside it
     linear_ = refit(selection_.measured, selection_.base, accepted(), scatter(), from, {}, true);
     handBack();
   }

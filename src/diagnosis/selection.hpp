@@ -45,9 +45,9 @@ struct FoundEffect {
 };
 
 struct Selection {
-  ModelState base;         ///< without effects
-  Linearised base_linear;  ///< there, with its noise
-  Linearised linear;       ///< with all findings, re-fitted
+  ModelState base;           ///< without effects
+  NoiseEstimate base_noise;  ///< there
+  Linearised linear;         ///< with all findings, re-fitted
   std::vector<FoundEffect> findings;
   std::vector<Candidate> candidates;
   std::vector<NotTestable> not_testable;

@@ -23,6 +23,7 @@ EffectKind axisWobble() {
   EffectKind kind;
   kind.name = "axis_wobble";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kPose;
   kind.drivers = {"qK"};
   kind.parameters = {{"sine_a", "rad", 1e-4}, {"cosine_a", "rad", 1e-4}, {"sine_b", "rad", 1e-4}, {"cosine_b", "rad", 1e-4}};
   kind.needs = {Need::kJoints, Need::kRevolute};

@@ -17,6 +17,7 @@ EffectKind badSamples() {
   EffectKind kind;
   kind.name = "bad_samples";
   kind.place = PlaceKind::kSamples;
+  kind.reach = Reach::kPose;
   kind.drivers = {"none"};
   kind.parameters = {
       {"share", "", 0.02, ParameterRole::kFixed}, {"sigma", "rad", 0.02, ParameterRole::kFixed}, {"seed", "", 0.0, ParameterRole::kFixed}};

@@ -8,7 +8,7 @@ namespace {
 void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
                    Disturbance& disturbance) {
   if (effect.byMasses()) {
-    disturbance.base.head<3>() += amount * context.base_moment_by_masses.col(massColumn(effect, i, context));
+    disturbance.base.head<3>() += amount * context.wrench_by_masses.col(massColumn(effect, i, context)).head<3>();
   } else {
     disturbance.base.head<3>() += amount * context.base_moment;
   }
@@ -20,6 +20,7 @@ EffectKind baseCompliance() {
   EffectKind kind;
   kind.name = "base_compliance";
   kind.place = PlaceKind::kBase;
+  kind.reach = Reach::kPose;
   kind.drivers = {"gravity"};
   kind.parameters = {{"compliance", "rad/(N m)", 5e-6}};
   kind.needs = {Need::kJoints};

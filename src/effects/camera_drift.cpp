@@ -16,6 +16,7 @@ EffectKind cameraDrift() {
   EffectKind kind;
   kind.name = "camera_drift";
   kind.place = PlaceKind::kCameraMount;
+  kind.reach = Reach::kPose;
   kind.drivers = {"stamp", "temperature"};
   kind.parameters = twistParameters(5e-4, 5e-4, "/t");
   kind.parameters.push_back(driftReference());

@@ -16,6 +16,7 @@ EffectKind cameraSlip() {
   EffectKind kind;
   kind.name = "camera_slip";
   kind.place = PlaceKind::kCameraMount;
+  kind.reach = Reach::kPose;
   kind.drivers = {"stamp"};
   kind.parameters = slipParameters(1e-3, 1e-3);
   kind.needs = {Need::kStamp};

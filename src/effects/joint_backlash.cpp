@@ -16,6 +16,7 @@ EffectKind jointBacklash() {
   EffectKind kind;
   kind.name = "joint_backlash";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"dirK"};
   kind.parameters = {{"half_gap", "rad", 2e-4}};
   kind.needs = {Need::kJoints, Need::kDir};

@@ -9,7 +9,7 @@ void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&,
                    Disturbance& disturbance) {
   const auto k = static_cast<Eigen::Index>(effect.index());
   jointPort(effect, disturbance) +=
-      amount * (effect.byMasses() ? context.torque_by_masses(k, massColumn(effect, i, context)) : context.torque(k));
+      amount * (effect.byMasses() ? context.torqueByMasses(effect.index(), massColumn(effect, i, context)) : context.torque(k));
 }
 
 }  // namespace
@@ -18,6 +18,7 @@ EffectKind jointCompliance() {
   EffectKind kind;
   kind.name = "joint_compliance";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"tauK"};
   kind.parameters = {{"compliance", "rad/(N m)", 2e-5}};
   kind.needs = {Need::kJoints};

@@ -17,6 +17,7 @@ EffectKind jointCoupling() {
   EffectKind kind;
   kind.name = "joint_coupling";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"qJ"};
   kind.parameters = {{"source", "", 0.0, ParameterRole::kFixed}, {"ratio", "", 1e-3}};
   kind.needs = {Need::kJoints};

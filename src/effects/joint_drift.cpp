@@ -16,6 +16,7 @@ EffectKind jointDrift() {
   EffectKind kind;
   kind.name = "joint_drift";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"stamp", "temperature"};
   kind.parameters = {{"rate", "rad/t", 2e-4}, driftReference()};
   kind.needs = {Need::kJoints};

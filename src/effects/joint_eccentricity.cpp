@@ -19,6 +19,7 @@ EffectKind jointEccentricity() {
   EffectKind kind;
   kind.name = "joint_eccentricity";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"qK"};
   kind.parameters = {{"sine", "rad", 3e-4}, {"cosine", "rad", 3e-4}};
   kind.needs = {Need::kJoints, Need::kRevolute};

@@ -16,6 +16,7 @@ EffectKind jointGain() {
   EffectKind kind;
   kind.name = "joint_gain";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"qK"};
   kind.parameters = {{"gain", "", 1e-3}};
   kind.needs = {Need::kJoints};

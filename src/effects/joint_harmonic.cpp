@@ -23,6 +23,7 @@ EffectKind jointHarmonic() {
   EffectKind kind;
   kind.name = "joint_harmonic";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"qK"};
   kind.parameters = {{"order", "", 0.0, ParameterRole::kScanned}, {"sine", "rad", 2e-4}, {"cosine", "rad", 2e-4}};
   kind.needs = {Need::kJoints, Need::kRevolute};

@@ -15,6 +15,7 @@ EffectKind jointScatter() {
   EffectKind kind;
   kind.name = "joint_scatter";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"none"};
   kind.parameters = {{"sigma", "rad", 2e-4, ParameterRole::kFixed}, {"seed", "", 0.0, ParameterRole::kFixed}};
   kind.needs = {Need::kJoints};

@@ -16,6 +16,7 @@ EffectKind jointSlip() {
   EffectKind kind;
   kind.name = "joint_slip";
   kind.place = PlaceKind::kJoint;
+  kind.reach = Reach::kJoint;
   kind.drivers = {"stamp"};
   kind.parameters = {{"time", "s", 0.0, ParameterRole::kScanned}, {"offset", "rad", 1e-3}};
   kind.needs = {Need::kJoints, Need::kStamp};

@@ -10,7 +10,7 @@ void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&,
   const Joint& joint = armOf(context).joints[effect.index()];
   const Eigen::Matrix<double, 3, 2> across = acrossAxis(joint);
   const std::size_t k = effect.index();
-  const Eigen::Vector3d moment = effect.byMasses() ? Eigen::Vector3d(context.moment_body_by_masses[k].col(massColumn(effect, i, context)))
+  const Eigen::Vector3d moment = effect.byMasses() ? context.momentByMasses(k, massColumn(effect, i, context))
                                                    : Eigen::Vector3d(context.moment_body.col(static_cast<Eigen::Index>(k)));
   Eigen::Vector2d bending = across.transpose() * moment;
   if (effect.byMasses()) {
@@ -28,6 +28,7 @@ EffectKind linkBending() {
   EffectKind kind;
   kind.name = "link_bending";
   kind.place = PlaceKind::kLink;
+  kind.reach = Reach::kPose;
   kind.drivers = {"gravity"};
   kind.parameters = {{"compliance", "rad/(N m)", 5e-6}, {"difference", "rad/(N m)", 2e-6}};
   kind.needs = {Need::kJoints};

@@ -19,6 +19,7 @@ EffectKind linkExpansion() {
   EffectKind kind;
   kind.name = "link_expansion";
   kind.place = PlaceKind::kLink;
+  kind.reach = Reach::kPose;
   kind.drivers = {"temperature", "stamp"};
   kind.parameters = {{"expansion", "1/t", 2e-5}, driftReference()};
   kind.needs = {Need::kJoints};

@@ -14,26 +14,17 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSecondsInAnHour = 3600.0;
 
-/// A regressor by masses with one column more: what the sample's payload does, a known mass at the flange's origin.
-Eigen::MatrixXd withPayload(const Eigen::MatrixXd& by_masses, const ArmChain& chain, double payload) {
-  Eigen::Vector4d numbers;
-  numbers << payload, payload * (chain.P.back().inverse() * chain.T_base_flange.translation());
-  Eigen::MatrixXd all(by_masses.rows(), by_masses.cols() + 1);
-  all << by_masses, by_masses.rightCols<4>() * numbers;
-  return all;
-}
-
 void addGravity(const CaptureContext& capture, SampleContext& context) {
   const Arm& arm = *capture.cell.arm;
   const auto n = static_cast<Eigen::Index>(arm.joints.size());
-  const ArmChain chain = forwardChain(arm, context.sample.q);
+  context.chain = forwardChain(arm, context.sample.q);
+  const ArmChain& chain = context.chain;
+  context.joint_twists = spaceJacobian(arm, chain);
   const double payload = context.sample.payload.value_or(0.0);
-  context.torque_by_masses = withPayload(gravityRegressor(arm, chain, capture.gravity), chain, payload);
-  context.base_moment_by_masses = withPayload(baseMomentRegressor(arm, chain, capture.gravity), chain, payload);
-  for (std::size_t k = 0; k < arm.joints.size(); ++k) {
-    const Eigen::MatrixXd in_base = withPayload(carriedMomentRegressor(arm, chain, capture.gravity, k), chain, payload);
-    context.moment_body_by_masses.push_back(chain.P[k + 1].linear().transpose() * in_base);
-  }
+  context.wrench_by_masses.resize(6, 4 * n + 1);
+  context.wrench_by_masses.leftCols(4 * n) = gravityRegressor(arm, chain, capture.gravity);
+  // A known mass at the flange's origin.
+  context.wrench_by_masses.rightCols<1>() << chain.T_base_flange.translation().cross(payload * capture.gravity), payload * capture.gravity;
   if (arm.links.empty()) {
     context.torque = Eigen::VectorXd::Constant(n, kNaN);
     context.moment_body = Eigen::Matrix3Xd::Constant(3, n, kNaN);
@@ -87,7 +78,8 @@ void addPoints(const CaptureContext& capture, const std::vector<TargetPoint>& po
       context.points.push_back({.id = point.id, .p_target = point.p_target, .px = Eigen::Vector2d::Constant(kNaN)});
     return;
   }
-  const Eigen::Isometry3d T_camera_target = disturbedTarget(capture.cell, context.sample, {});
+  const Eigen::Isometry3d T_base_flange = context.chain.P.empty() ? capture.cell.baseFlange(context.sample) : context.chain.T_base_flange;
+  const Eigen::Isometry3d T_camera_target = capture.cell.registration.cameraTarget(T_base_flange);
   Eigen::VectorXd velocity = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(points.size()));
   if (context.sample.dq.size() > 0 && capture.cell.arm) {
     Disturbance motion;
@@ -111,6 +103,18 @@ double SampleContext::elapsed(const std::string& driver, double reference) const
   if (driver == "stamp") return (sample.stamp.value_or(kNaN) - since(capture->first_stamp)) / kSecondsInAnHour;
   if (driver == "temperature") return sample.temperature.value_or(kNaN) - since(capture->first_temperature);
   return kNaN;
+}
+
+double SampleContext::torqueByMasses(std::size_t k, Eigen::Index c) const {
+  if (c < 4 * static_cast<Eigen::Index>(k)) return 0.0;
+  return joint_twists.col(static_cast<Eigen::Index>(k)).dot(wrench_by_masses.col(c));
+}
+
+Eigen::Vector3d SampleContext::momentByMasses(std::size_t k, Eigen::Index c) const {
+  if (c < 4 * static_cast<Eigen::Index>(k)) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d anchor_base = chain.P[k] * capture->cell.arm->joints[k].anchor;
+  const auto wrench = wrench_by_masses.col(c);
+  return chain.P[k + 1].linear().transpose() * (wrench.head<3>() - anchor_base.cross(wrench.tail<3>()));
 }
 
 std::shared_ptr<const CaptureContext> makeCaptureContext(const Cell& cell, const Target& target, const Eigen::Vector3d& gravity,

@@ -16,6 +16,7 @@ EffectKind targetSlip() {
   EffectKind kind;
   kind.name = "target_slip";
   kind.place = PlaceKind::kTargetMount;
+  kind.reach = Reach::kPose;
   kind.drivers = {"stamp"};
   kind.parameters = slipParameters(2e-3, 5e-4);
   kind.needs = {Need::kStamp};

@@ -16,6 +16,7 @@ EffectKind timeOffset() {
   EffectKind kind;
   kind.name = "time_offset";
   kind.place = PlaceKind::kTiming;
+  kind.reach = Reach::kPose;
   kind.drivers = {"dq"};
   kind.parameters = {{"offset", "s", 5e-3}};
   kind.needs = {Need::kJoints, Need::kDq};

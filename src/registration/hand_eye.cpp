@@ -1,5 +1,6 @@
 #include "poecal/registration/hand_eye.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -21,11 +22,19 @@ struct Turns {
   std::vector<Eigen::Vector3d> camera;  ///< of the target's, in camera
 };
 
-/// Relative motions i <- j for a fixed set of strides, so that their number grows with the poses and not with their square.
+// Strides over which motions are compared, in a long series of poses.
+constexpr double kStrides = 9.0;
+
+/// Relative motions i <- j for a few strides from neighbours up to the whole series, so that their number grows with the poses and not with their
+/// square.
 Turns relativeTurns(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>* T_camera_target) {
   Turns turns;
   const std::size_t count = T_near_far.size();
-  for (std::size_t stride = 1; stride < count; stride = count <= 12 ? stride + 1 : 2 * stride + 1) {
+  const double factor = std::max(2.0, std::pow(static_cast<double>(count), 1.0 / kStrides));
+  const auto next = [&](std::size_t stride) {
+    return 1 + (count <= 12 ? stride : static_cast<std::size_t>(factor * static_cast<double>(stride)));
+  };
+  for (std::size_t stride = 1; stride < count; stride = next(stride)) {
     for (std::size_t j = 0; j + stride < count; ++j) {
       const std::size_t i = j + stride;
       const Eigen::Vector3d a = logSo3(T_near_far[i].linear() * T_near_far[j].linear().transpose());

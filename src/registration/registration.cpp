@@ -93,7 +93,7 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
                                                : std::string("expected joint readings, robot and pictures that belong together (units, signs, order of the rows)")));
 }
 
-/// The best of the refined hypotheses.
+/// The best of the refined hypotheses. Which is best shows on some of the samples; only that one is refined on all of them.
 Adjustment adjustBest(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples, int hypotheses,
                       bool robust, Registration* closed_form = nullptr) {
   const Misfit misfit = [&](const Registration& registration, const HypothesisSample& sample) {
@@ -101,14 +101,18 @@ Adjustment adjustBest(const Cell& cell, const std::vector<Observation>& observat
   };
   const std::vector<Hypothesis> found = searchRegistrations(cell.registration.setup, samples, misfit, hypotheses);
   if (found.empty()) throw InsufficientData("no registration follows from these poses: the target must be seen in at least three different orientations");
+  constexpr std::size_t kCompared = 300;
+  const std::size_t stride = (observations.size() + kCompared - 1) / kCompared;
+  std::vector<Observation> some;
+  for (std::size_t k = 0; k < observations.size(); k += stride) some.push_back(observations[k]);
   std::optional<Adjustment> best;
   double best_misfit = std::numeric_limits<double>::infinity();
   for (const Hypothesis& hypothesis : found) {
     Cell start = cell;
     start.registration = hypothesis.registration;
-    Adjustment fit = adjust(start, observations, registrationAdjustment(robust));
+    Adjustment fit = adjust(start, some, registrationAdjustment(robust));
     std::vector<double> misfits;
-    for (const HypothesisSample& sample : samples) misfits.push_back(misfit(fit.cell.registration, sample));
+    for (std::size_t k = 0; k < samples.size(); k += stride) misfits.push_back(misfit(fit.cell.registration, samples[k]));
     const double of_most = quantile(std::move(misfits), 0.6);
     if (!best || of_most < best_misfit * (1.0 - 1e-9)) {
       best_misfit = of_most;
@@ -116,7 +120,7 @@ Adjustment adjustBest(const Cell& cell, const std::vector<Observation>& observat
       if (closed_form != nullptr) *closed_form = hypothesis.registration;
     }
   }
-  return *best;
+  return stride == 1 ? *best : adjust(best->cell, observations, registrationAdjustment(robust));
 }
 
 void requireTurning(const Cell& cell, const std::vector<Observation>& observations) {

@@ -52,35 +52,13 @@ GravityLoad gravityLoad(const Arm& arm, const ArmChain& chain, const Eigen::Vect
   return load;
 }
 
-Eigen::MatrixXd gravityRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity) {
+Matrix6Xd gravityRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity) {
   checkChain(arm, chain);
-  const Matrix6Xd J = spaceJacobian(arm, chain);
-  const Eigen::Index n = arm.jointCount();
-  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(n, 4 * n);
-  for (Eigen::Index body = 0; body < n; ++body) {
-    Y.block(0, 4 * body, body + 1, 4) = J.leftCols(body + 1).transpose() * bodyWrench(chain.P[static_cast<std::size_t>(body) + 1], gravity);
-  }
-  return Y;
-}
-
-Eigen::MatrixXd carriedMomentRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity, std::size_t k) {
-  checkChain(arm, chain);
-  const Eigen::Matrix3d across_anchor = hat(chain.P.at(k) * arm.joints.at(k).anchor);
-  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(3, 4 * arm.jointCount());
-  for (std::size_t body = k; body < arm.joints.size(); ++body) {
-    const Eigen::Matrix<double, 6, 4> W = bodyWrench(chain.P[body + 1], gravity);
-    M.middleCols<4>(4 * static_cast<Eigen::Index>(body)) = W.topRows<3>() - across_anchor * W.bottomRows<3>();
-  }
-  return M;
-}
-
-Eigen::MatrixXd baseMomentRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity) {
-  checkChain(arm, chain);
-  Eigen::MatrixXd M(3, 4 * arm.jointCount());
+  Matrix6Xd W(6, 4 * arm.jointCount());
   for (Eigen::Index body = 0; body < arm.jointCount(); ++body) {
-    M.middleCols<4>(4 * body) = bodyWrench(chain.P[static_cast<std::size_t>(body) + 1], gravity).topRows<3>();
+    W.middleCols<4>(4 * body) = bodyWrench(chain.P[static_cast<std::size_t>(body) + 1], gravity);
   }
-  return M;
+  return W;
 }
 
 }  // namespace poecal

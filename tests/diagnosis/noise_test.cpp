@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "poecal/core/random.hpp"
+#include "support/matchers.hpp"
 
 namespace poecal {
 namespace {
@@ -57,10 +58,28 @@ TEST(Noise, LikelihoodIsThatOfTheDenseFormula) {
   const Rows made = makeRows(12, 0.5, 0.8, rng);
   const Eigen::Vector2d here(0.3, 0.5), there(0.6, 0.2);
   const auto at = [&](const Eigen::Vector2d& theta) {
-    return likelihoodAt(made.rows, made.components, theta, made.rows.J, ColumnPrior::none(2)).log_likelihood;
+    return likelihoodsAt(made.rows, made.components, theta, Eigen::MatrixXd(made.rows.size(), 0), {ColumnPrior::none(2)})
+        .front()
+        .log_likelihood;
   };
   // Rounding of sums of 48 terms of order one.
   EXPECT_NEAR(at(here) - at(there), denseLikelihood(made, here) - denseLikelihood(made, there), 1e-8);
+}
+
+TEST(Noise, WhiteNoiseMayBeSummedUpBeyondWhatPosesShare) {
+  Rng rng(4);
+  Rows made = makeRows(40, 0.5, 0.8, rng);
+  const Eigen::MatrixXd none(made.rows.size(), 0);
+  const NoiseEstimate in_full = estimateNoise({}, {}, made.rows, made.components, none, ColumnPrior::none(2), nullptr);
+  made.components[0].white = true;
+  const NoiseEstimate summed = estimateNoise({}, {}, made.rows, made.components, none, ColumnPrior::none(2), nullptr);
+  // Rounding of the same steps.
+  constexpr double kRounding = 1e-9;
+  EXPECT_NEAR(summed.log_likelihood, in_full.log_likelihood, kRounding);
+  EXPECT_NEAR(summed.misfit, in_full.misfit, kRounding);
+  EXPECT_THAT(summed.theta, test::IsNear(in_full.theta, kRounding));
+  EXPECT_THAT(summed.b, test::IsNear(in_full.b, kRounding));
+  EXPECT_THAT(summed.covariance, test::IsNear(in_full.covariance, kRounding));
 }
 
 TEST(Noise, VariancesAreThoseDrawn) {

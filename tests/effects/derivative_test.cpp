@@ -66,6 +66,33 @@ TEST_P(EffectDerivative, MatchesCentralDifferencesOfWhatIsAdded) {
 INSTANTIATE_TEST_SUITE_P(Arms, EffectDerivative, ::testing::Bool(),
                          [](const auto& parameter) { return std::string(parameter.param ? "WithMasses" : "WithoutMasses"); });
 
+TEST(Reach, NothingIsMovedBeyondIt) {
+  Rng rng = test::rngOfThisTest();
+  const test::RichCell rich = test::richCell(rng);
+  const SampleContext context = rich.context(2);
+  for (const Effect& effect : candidateEffects(rich.cell, rich.target, rich.samples).effects) {
+    Disturbance disturbance = Disturbance::zero(rich.cell, context.points.size());
+    Eigen::VectorXd parameters = effect.start();
+    for (Eigen::Index i = 0; i < parameters.size(); ++i) {
+      // A time long past, an order, a share of samples: at each of them the effect acts.
+      if (effect.parameters()[static_cast<std::size_t>(i)].role != ParameterRole::kFixed) parameters(i) = 1.5;
+      effect.addDerivative(i, parameters, context, 1.0, disturbance);
+    }
+    effect.disturbAtRandom(parameters, context, disturbance);
+    const Disturbance none = Disturbance::zero(rich.cell, context.points.size());
+    if (effect.kind().reach == Reach::kPicture) continue;
+    Disturbance beyond = disturbance;
+    if (effect.kind().reach == Reach::kPose) {
+      beyond.joints = none.joints;
+      beyond.links = none.links;
+      beyond.base = beyond.mount = beyond.grip = Vector6d::Zero();
+    } else {
+      beyond.joints(static_cast<Eigen::Index>(effect.index())) = 0.0;
+    }
+    EXPECT_EQ(flat(beyond).norm(), 0.0) << effect.name() << " at " << effect.location();
+  }
+}
+
 TEST(SlipTime, MovesNothingUntilASampleIsPassed) {
   Rng rng = test::rngOfThisTest();
   const test::RichCell rich = test::richCell(rng);

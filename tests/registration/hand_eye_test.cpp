@@ -47,6 +47,13 @@ TEST(HandEye, OfAScaraExplainsAllPosesThoughSlidingIsFree) {
   }
 }
 
+TEST(HandEye, ASlowTurnIsSeenOverTheWholeSeries) {
+  // Half a radian in five thousand steps: neighbours turn by 1e-4, less than anything that is taken for a turn.
+  std::vector<Eigen::Isometry3d> poses;
+  for (int k = 0; k < 5000; ++k) poses.emplace_back(Eigen::AngleAxisd(1e-4 * k, Eigen::Vector3d::UnitZ()));
+  EXPECT_EQ(rotationDirections(poses), 1);
+}
+
 TEST(HandEye, WithoutTurningThereIsNothing) {
   const std::vector<Eigen::Isometry3d> poses(5, Eigen::Isometry3d::Identity());
   EXPECT_FALSE(solveHandEye(poses, poses, Setup::kEyeToHand));

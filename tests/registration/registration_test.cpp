@@ -109,6 +109,20 @@ TEST_P(RegistrationOf, OnePictureThatContradictsTheOthersIsNamed) {
   for (const RegisteredSample& sample : result.samples) EXPECT_EQ(sample.left_out, sample.sample == 6) << sample.sample;
 }
 
+TEST_P(RegistrationOf, OfManyPicturesIsTheMinimumOverAllOfThem) {
+  Rng rng = test::rngOfThisTest();
+  // More than hypotheses are compared on.
+  const Registered data = registered(rng, GetParam(), 700, 0.3);
+  const RegistrationResult result = registerCell(cellOf(GetParam()), data.observations, {});
+  AdjustmentOptions options;
+  options.free = {.near = true, .far = true};
+  const Adjustment from_truth = adjust(data.truth, data.observations, options);
+  // Both stop within 1e-6 standard deviations (some 1e-4 rad and m) of the minimum.
+  constexpr double kSettled = 1e-9;
+  EXPECT_THAT(result.cell.registration.T_camera_near, test::PoseIsNear(from_truth.cell.registration.T_camera_near, kSettled));
+  EXPECT_THAT(result.cell.registration.T_far_target, test::PoseIsNear(from_truth.cell.registration.T_far_target, kSettled));
+}
+
 INSTANTIATE_TEST_SUITE_P(Setups, RegistrationOf, ::testing::Values(Setup::kEyeToHand, Setup::kEyeInHand),
                          [](const auto& setup) { return std::string(setupName(setup.param)); });
 

@@ -12,10 +12,19 @@ namespace poecal {
 /// What a sample or the cell must have for an effect to be testable.
 enum class Need { kJoints, kDir, kDq, kStamp, kTemperature, kRevolute, kTags, kSeveralTags, kTangential, kCamera };
 
+/// How far into the cell a kind of effect reaches.
+enum class Reach {
+  kJoint,   ///< the angle of its own joint alone
+  kPose,    ///< joints, links, base, mount and grip: what T_camera_target follows
+  kPicture  ///< points, pixels and intrinsics too
+};
+
 /// A kind of effect. Adding one: a file under src/effects/, a row in kinds.hpp.
 struct EffectKind {
   std::string name;
   PlaceKind place = PlaceKind::kJoint;
+  /// It disturbs nothing beyond; kPicture is right for any kind, a smaller reach is weighed with less work.
+  Reach reach = Reach::kPicture;
   /// Words of the contract, with K for the place's number and J for another joint's; the first is the default.
   std::vector<std::string> drivers;         ///< empty: whatever the spec says
   std::vector<EffectParameter> parameters;  ///< units of a turning joint; "/t": "/h" where stamps drive it, "/K" where the temperature does

@@ -48,15 +48,20 @@ struct SampleContext {
   Eigen::Matrix3Xd moment_body;
   /// Moment of gravity on the whole arm about the origin of base, in base [N m]; NaN likewise.
   Eigen::Vector3d base_moment = Eigen::Vector3d::Zero();
-  /// The same three by each body's (m, m com), and last the part of the sample's payload: n x (4n + 1), n of 3 x (4n + 1), 3 x (4n + 1).
-  Eigen::MatrixXd torque_by_masses;
-  std::vector<Eigen::MatrixXd> moment_body_by_masses;
-  Eigen::MatrixXd base_moment_by_masses;
+  /// Gravity's wrench (moment about the origin of base; force) by each body's (m, m com), and last by the sample's payload: 6 x (4n + 1).
+  Matrix6Xd wrench_by_masses;
+  ArmChain chain;          ///< of the arm; empty without one
+  Matrix6Xd joint_twists;  ///< spaceJacobian there
   std::vector<PointContext> points;
 
   /// Hours since a stamp, or kelvin above a temperature, by what drives the effect ("stamp", "temperature"); NaN where the sample has no
   /// such value. @param reference  NaN: the first of the capture.
   double elapsed(const std::string& driver, double reference) const;
+
+  /// Column c of the wrench above as joint k (from 0) takes it: its torque, and the moment that it carries about its anchor, in the frame
+  /// of body k. Zero for bodies before the joint.
+  double torqueByMasses(std::size_t k, Eigen::Index c) const;
+  Eigen::Vector3d momentByMasses(std::size_t k, Eigen::Index c) const;
 };
 
 /// The common part. @param samples  for the first and last stamp and the first temperature. @param other_columns  names of their further

@@ -1,4 +1,4 @@
-// What gravity does to the arm: torques about the joints, the load that each joint carries, and how both hang on the masses.
+// What gravity does to the arm: torques about the joints, the load that each joint carries, and how it hangs on the masses.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,16 +26,9 @@ struct GravityLoad {
 /// @throws InvalidArgument where the arm's links are not one per joint, or the chain is of another arm.
 GravityLoad gravityLoad(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity, double payload = 0.0);
 
-/// The torques are linear in four numbers of each body, its mass m and the moments m c (com in base at q = 0):
-///   tau = Y(q) (m_1, m_1 c_1, ..., m_n, m_n c_n).
-/// @return Y, n x 4n; row k is zero left of body k. What any unknown masses can do to joint k lies in the span of the functions of row k.
-/// @throws InvalidArgument if the chain is of an arm with another number of joints.
-Eigen::MatrixXd gravityRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity);
-
-/// Likewise the moment that joint k (from 0) carries about its anchor, in base: 3 x 4n, zero left of body k.
-Eigen::MatrixXd carriedMomentRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity, std::size_t k);
-
-/// Likewise the moment of all bodies about the origin of base: 3 x 4n.
-Eigen::MatrixXd baseMomentRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity);
+/// Gravity's wrench on each body is linear in four numbers of it, its mass m and the moments m c (com in base at q = 0):
+///   (moment about the origin of base; force) = sum_b W_b(q) (m_b, m_b c_b).
+/// @return W, 6 x 4n, four columns a body. @throws InvalidArgument if the chain is of an arm with another number of joints.
+Matrix6Xd gravityRegressor(const Arm& arm, const ArmChain& chain, const Eigen::Vector3d& gravity);
 
 }  // namespace poecal
