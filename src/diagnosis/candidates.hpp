@@ -10,19 +10,18 @@
 #include <Eigen/Core>
 
 #include "diagnosis/capture_rows.hpp"
+#include "effects/curve.hpp"
 #include "poecal/effects/catalogue.hpp"
 
 namespace poecal {
 
-/// Where a curve enters.
-enum class CurvePlace { kJoint, kMount, kGrip, kLens };
-
 /// A smooth function of a driver at a place, as a sum of waves of the driver: "unknown, there, driven by that".
 struct Curve {
-  CurvePlace place = CurvePlace::kJoint;
-  std::size_t index = 0;  ///< of the joint
-  Eigen::MatrixXd waves;  ///< observations x waves; empty for the lens, whose waves are of the pixel
-  int orders = 0;         ///< lens only: waves along u and v in all
+  PlaceKind place = PlaceKind::kJoint;  ///< joint, camera.mount, target.mount or camera.lens
+  std::size_t index = 0;                ///< of the joint
+  CurveRange range;                     ///< of the driver in the capture; not for the lens, whose waves are of the pixel
+  Eigen::Index waves = 0;               ///< how many
+  int orders = 0;                       ///< lens only: waves along u and v in all
 };
 
 /// Where a candidate enters the cell. Its action there is what each of its columns does, in an observation: one number where it turns a
@@ -58,8 +57,7 @@ struct CandidateList {
   std::vector<NotTestable> not_testable;
 };
 
-/// @param other_columns  names of the samples' further columns, which may drive a curve.
-CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns);
+CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state);
 
 /// d(rows)/d(action) of an observation at an entry that is not kPicture: rows x 1 or 6.
 Eigen::MatrixXd entryColumns(const Entry& entry, const ObservationRows& part);

@@ -34,7 +34,7 @@ Repeated repeated(int pictures) {
   made.linear = linearise(measured, state, {}, {}, {});
   setNoise(measured, NoiseEstimate{.theta = Eigen::VectorXd(), .b = {}, .covariance = {}}, made.linear);
   // Some of each kind: there are two thousand.
-  const std::vector<Candidate> all = allCandidates(measured, state, {}).candidates;
+  const std::vector<Candidate> all = allCandidates(measured, state).candidates;
   for (std::size_t i = 0; i < all.size(); i += 17) made.candidates.push_back(all[i]);
   return made;
 }
