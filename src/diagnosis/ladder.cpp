@@ -22,14 +22,11 @@ struct Sums {
     last_expected += expected;
     points += pose.points;
   }
-  /// Mean square above the noise.
-  double excess() const { return points > 0.0 ? std::max(0.0, squares - last_squares + last_expected) / points : 0.0; }
+  /// Mean square above the noise. Where chance makes it less than that of the last, a quarter of that: who takes away what helps does not
+  /// come out with nothing.
+  double excess() const { return points > 0.0 ? std::max(squares - last_squares + last_expected, 0.25 * last_expected) / points : 0.0; }
   /// 1 - excess of the last / excess, as roots.
-  double shrinkage() const {
-    constexpr double kLeast = 1e-4;  // of the last one's: without it, poses that tell nothing would tell of minus infinity
-    const double last = last_expected / points;
-    return last > 0.0 ? 1.0 - std::sqrt(last / std::max(excess(), kLeast * last)) : excess() > 0.0 ? 1.0 : 0.0;
-  }
+  double shrinkage() const { return excess() > 0.0 ? 1.0 - std::sqrt(last_expected / points / excess()) : 0.0; }
 };
 
 /// What each row is worth in the squares of its pose: of a corner its deviation squared, of a pose that of its position alone.
@@ -67,15 +64,17 @@ std::vector<double> expectedSquares(const Linearised& linear) {
   return squares;
 }
 
-/// A noise of the capture as a fit sees it that takes all of it for single corners' own: the same in all, and of the same mean square.
-NoiseEstimate asCornerNoise(const Linearised& linear, const NoiseEstimate& noise) {
+/// The noise as `identify` sees it, which takes all of it for single corners' own, and the arm for one that keeps its tolerances: the same
+/// in all corners, and of the same mean square.
+NoiseEstimate asCornerNoise(const Linearised& linear) {
   const auto corner = std::find_if(linear.components.begin(), linear.components.end(), [](const auto& c) { return c.white; });
-  if (corner == linear.components.end()) return noise;
+  if (corner == linear.components.end()) return linear.noise;
   double squares = 0.0;
-  for (Eigen::Index i = 0; i < noise.theta.size(); ++i) {
-    for (const Eigen::MatrixXd& Z : linear.components[static_cast<std::size_t>(i)].Z) squares += noise.theta(i) * Z.squaredNorm();
+  for (std::size_t i = 0; i < linear.components.size(); ++i) {
+    for (const Eigen::MatrixXd& Z : linear.components[i].Z) squares += linear.noise.theta(static_cast<Eigen::Index>(i)) * Z.squaredNorm();
   }
-  NoiseEstimate white = noise;
+  NoiseEstimate white = linear.noise;
+  white.tolerance = 1.0;
   white.theta.setZero();
   white.theta(corner - linear.components.begin()) = squares / linear.rows.size();
   return white;
@@ -162,7 +161,7 @@ std::vector<Rung> Ladder::geometricRungs() const {
     if (options.free.near) state.cell.cell = adjust(measured.start, some, options).cell;
     return Fitted{state, {}};
   }));
-  rungs.push_back(fitted("identified", selection_.base, {}, {}, asCornerNoise(selection_.linear, selection_.base_noise)));
+  rungs.push_back(fitted("identified", selection_.base, {}, {}, asCornerNoise(selection_.linear)));
   return rungs;
 }
 
