@@ -13,20 +13,11 @@ constexpr std::size_t kMaxLines = 9;  // within reach either way, for cells of n
 
 /// A blurred step at its distance from the pixel.
 struct Step {
-  double a = 0.0;         ///< [blurs]
-  double cdf = 0.0;       ///< S(a)
-  double pdf = 0.0;       ///< S'(a)
-  double gaussian = 0.0;  ///< phi(a)
-  double by_kurtosis = 0.0;
-};
-
-/// The lines of one direction within reach. Each stands at two places, where growth moves it back and where it moves it on.
-struct Lines {
-  int first = 0;
-  std::size_t count = 0;
-  std::array<std::array<Step, 2>, kMaxLines> steps;
-
-  const Step& at(std::size_t k, int shift) const { return steps[k][shift > 0 ? 1 : 0]; }
+  double a;         ///< [blurs]
+  double cdf;       ///< S(a)
+  double pdf;       ///< S'(a)
+  double gaussian;  ///< phi(a)
+  double by_kurtosis;
 };
 
 /// The normal distribution between tabulated points, by cubics that meet in value and slope: to 3e-10 in value and 1e-6 in slope, a tenth of erfc's time.
@@ -77,21 +68,41 @@ int cellAt(double coordinate) {
   return std::abs(coordinate) < kFar ? static_cast<int>(coordinate + kFar) - kFar : kFar;
 }
 
-Lines linesWithinReach(double coordinate, double slope, const PointSpread& spread, double growth) {
-  const double reach = kReach * spread.blur * slope;
-  Lines lines;
-  lines.first = cellAt(coordinate - reach) + 1;
-  const int last = cellAt(coordinate + reach);
-  lines.count = std::min(kMaxLines, static_cast<std::size_t>(std::max(0, last - lines.first + 1)));
-  const double per_cell = 1.0 / (slope * spread.blur), shift = growth / spread.blur;
-  for (std::size_t k = 0; k < lines.count; ++k) {
-    const double distance = (coordinate - lines.first - static_cast<double>(k)) * per_cell;
-    lines.steps[k] = {stepAt(distance + shift, spread.kurtosis), stepAt(distance - shift, spread.kurtosis)};
+/// The lines of one direction within reach. Each stands at two places, where growth moves it back and where it moves it on; most steps
+/// are never asked for, so that they are worked out when they are.
+class Lines {
+ public:
+  Lines(double coordinate, double slope, const PointSpread& spread, double growth)
+      : per_cell_(1.0 / (slope * spread.blur)), shift_(growth / spread.blur), kurtosis_(spread.kurtosis) {
+    const double reach = kReach * spread.blur * slope;
+    first_ = cellAt(coordinate - reach) + 1;
+    const int last = cellAt(coordinate + reach);
+    count_ = std::min(kMaxLines, static_cast<std::size_t>(std::max(0, last - first_ + 1)));
+    beyond_first_ = coordinate - first_;
   }
-  return lines;
-}
 
-/// The sum so far, its derivatives by the normalised distances a and b.
+  int first() const { return first_; }
+  std::size_t count() const { return count_; }
+  const Step& at(std::size_t k, int shift) {
+    const std::size_t place = 2 * k + (shift > 0 ? 1 : 0);
+    const unsigned bit = 1U << place;
+    if ((known_ & bit) == 0) {
+      const double distance = (beyond_first_ - static_cast<double>(k)) * per_cell_;
+      steps_[place] = stepAt(shift > 0 ? distance - shift_ : distance + shift_, kurtosis_);
+      known_ |= bit;
+    }
+    return steps_[place];
+  }
+
+ private:
+  double per_cell_, shift_, kurtosis_, beyond_first_ = 0.0;
+  int first_ = 0;
+  std::size_t count_ = 0;
+  unsigned known_ = 0;                      ///< a bit for each of steps_ that is worked out
+  std::array<Step, 2 * kMaxLines> steps_;  ///< the others hold nothing: to clear them would take longer than all the rest
+};
+
+/// The sum so far, its derivatives by lengths in blurs until it is finished.
 class Sum {
  public:
   Sum(double start, double blur) : blur_(blur) { whiteness_.value = start; }
@@ -122,8 +133,11 @@ class Sum {
   }
 
   Whiteness finish(const Eigen::Vector2d& slope) {
-    whiteness_.J_value_uv(0) /= slope.x();
-    whiteness_.J_value_uv(1) /= slope.y();
+    const double per_blur = 1.0 / blur_;
+    whiteness_.J_value_uv(0) *= per_blur / slope.x();
+    whiteness_.J_value_uv(1) *= per_blur / slope.y();
+    whiteness_.J_value_blur *= per_blur;
+    whiteness_.J_value_growth *= per_blur;
     return whiteness_;
   }
 
@@ -133,10 +147,10 @@ class Sum {
     whiteness_.J_value_kurtosis += weight * step.by_kurtosis;
   }
   void derive(double by_a, double a, int shift_u, double by_b, double b, int shift_v) {
-    whiteness_.J_value_uv(0) += by_a / blur_;
-    whiteness_.J_value_uv(1) += by_b / blur_;
-    whiteness_.J_value_blur -= (by_a * a + by_b * b) / blur_;
-    whiteness_.J_value_growth -= (by_a * shift_u + by_b * shift_v) / blur_;
+    whiteness_.J_value_uv(0) += by_a;
+    whiteness_.J_value_uv(1) += by_b;
+    whiteness_.J_value_blur -= by_a * a + by_b * b;
+    whiteness_.J_value_growth -= by_a * shift_u + by_b * shift_v;
   }
 
   double blur_;
@@ -149,22 +163,22 @@ TagView::TagView(const Eigen::Vector2d& coordinates, const Eigen::Matrix2d& J_uv
     : uv(coordinates), slope(J_uv_px.rowwise().norm()), cosine(J_uv_px.row(0).dot(J_uv_px.row(1)) / slope.prod()) {}
 
 Whiteness whiteness(const TagPattern& pattern, const TagView& view, const PointSpread& spread, double growth) {
-  const Lines across_u = linesWithinReach(view.uv.x(), view.slope.x(), spread, growth);
-  const Lines across_v = linesWithinReach(view.uv.y(), view.slope.y(), spread, growth);
-  const int column = across_u.first, row = across_v.first;
+  Lines across_u(view.uv.x(), view.slope.x(), spread, growth);
+  Lines across_v(view.uv.y(), view.slope.y(), spread, growth);
+  const int column = across_u.first(), row = across_v.first();
   Sum sum(pattern.white(column - 1, row - 1), spread.blur);
-  for (std::size_t i = 0; i < across_u.count; ++i) {
+  for (std::size_t i = 0; i < across_u.count(); ++i) {
     const int k = column + static_cast<int>(i);
     const int step = pattern.white(k, row - 1) - pattern.white(k - 1, row - 1);
     if (step != 0) sum.addAlongU(step, across_u.at(i, step));
   }
-  for (std::size_t j = 0; j < across_v.count; ++j) {
+  for (std::size_t j = 0; j < across_v.count(); ++j) {
     const int k = row + static_cast<int>(j);
     const int step = pattern.white(column - 1, k) - pattern.white(column - 1, k - 1);
     if (step != 0) sum.addAlongV(step, across_v.at(j, step));
   }
-  for (std::size_t j = 0; j < across_v.count; ++j) {
-    for (std::size_t i = 0; i < across_u.count; ++i) {
+  for (std::size_t j = 0; j < across_v.count(); ++j) {
+    for (std::size_t i = 0; i < across_u.count(); ++i) {
       for (const Turn& turn : pattern.turns(column + static_cast<int>(i), row + static_cast<int>(j))) {
         if (turn.weight != 0) sum.addTurn(turn, across_u.at(i, turn.shift_u), across_v.at(j, turn.shift_v), view.cosine);
       }

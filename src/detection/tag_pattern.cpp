@@ -47,15 +47,4 @@ bool TagPattern::isKnown(int column, int row) const {
   return bare_corners_ || !((column == 0 || column == last) && (row == 0 || row == last));
 }
 
-int TagPattern::white(int column, int row) const {
-  if (column < 0 || row < 0 || column >= width_ || row >= width_) return 1;
-  return white_[static_cast<std::size_t>(row * width_ + column)];
-}
-
-const std::array<Turn, 2>& TagPattern::turns(int column, int row) const {
-  static constexpr std::array<Turn, 2> kNone{};
-  if (column < 0 || row < 0 || column > width_ || row > width_) return kNone;
-  return turns_[static_cast<std::size_t>(row * (width_ + 1) + column)];
-}
-
 }  // namespace poecal

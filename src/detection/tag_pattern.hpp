@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,20 @@ class TagPattern {
   /// False outside of the pattern and where something else may be printed.
   bool isKnown(int column, int row) const;
   /// 1 white, 0 black; unknown cells count as white, the likeliest paper.
-  int white(int column, int row) const;
+  int white(int column, int row) const { return isInside(column, row, width_) ? white_[indexOf(column, row, width_)] : 1; }
   /// The turns at the upper left corner of cell (column, row).
-  const std::array<Turn, 2>& turns(int column, int row) const;
+  const std::array<Turn, 2>& turns(int column, int row) const {
+    static constexpr std::array<Turn, 2> kNone{};
+    return isInside(column, row, width_ + 1) ? turns_[indexOf(column, row, width_ + 1)] : kNone;
+  }
 
  private:
+  // What every pixel asks for many times is here, where callers can inline it.
+  static bool isInside(int column, int row, int width) {
+    return static_cast<unsigned>(column) < static_cast<unsigned>(width) && static_cast<unsigned>(row) < static_cast<unsigned>(width);
+  }
+  static std::size_t indexOf(int column, int row, int width) { return static_cast<std::size_t>(row * width + column); }
+
   int width_ = 0;
   bool bare_corners_ = true;
   std::vector<int> white_;                  ///< row by row from the top left
