@@ -20,7 +20,8 @@ struct Step {
   double by_kurtosis;
 };
 
-/// The normal distribution between tabulated points, by cubics that meet in value and slope: to 3e-10 in value and 1e-6 in slope, a tenth of erfc's time.
+/// The normal distribution between tabulated points, by cubics that meet in value and slope: to 3e-10 in value and 1e-6 in slope, a tenth
+/// of erfc's time.
 class NormalTable {
  public:
   NormalTable() {
@@ -62,18 +63,13 @@ Step stepAt(double a, double kurtosis) {
   return {a, normal.cdf + kurtosis * by_kurtosis, normal.pdf * (1.0 + kurtosis / 24.0 * (a2 * (a2 - 6.0) + 3.0)), normal.pdf, by_kurtosis};
 }
 
-/// floor() within a few tags' widths, without a call into the mathematical library; elsewhere a cell that is outside of any tag.
-int cellAt(double coordinate) {
-  constexpr int kFar = 64;
-  return std::abs(coordinate) < kFar ? static_cast<int>(coordinate + kFar) - kFar : kFar;
-}
-
 /// The lines of one direction within reach. Each stands at two places, where growth moves it back and where it moves it on; most steps
 /// are never asked for, so that they are worked out when they are.
 class Lines {
  public:
-  Lines(double coordinate, double slope, const PointSpread& spread, double growth)
-      : per_cell_(1.0 / (slope * spread.blur)), shift_(growth / spread.blur), kurtosis_(spread.kurtosis) {
+  /// @param slope, width  of the view, along this direction. @param per_blur  1 / blur.
+  Lines(double coordinate, double slope, double width, const PointSpread& spread, double per_blur, double growth)
+      : per_cell_(width * per_blur), shift_(growth * per_blur), kurtosis_(spread.kurtosis) {
     const double reach = kReach * spread.blur * slope;
     first_ = cellAt(coordinate - reach) + 1;
     const int last = cellAt(coordinate + reach);
@@ -98,14 +94,14 @@ class Lines {
   double per_cell_, shift_, kurtosis_, beyond_first_ = 0.0;
   int first_ = 0;
   std::size_t count_ = 0;
-  unsigned known_ = 0;                      ///< a bit for each of steps_ that is worked out
+  unsigned known_ = 0;                     ///< a bit for each of steps_ that is worked out
   std::array<Step, 2 * kMaxLines> steps_;  ///< the others hold nothing: to clear them would take longer than all the rest
 };
 
 /// The sum so far, its derivatives by lengths in blurs until it is finished.
 class Sum {
  public:
-  Sum(double start, double blur) : blur_(blur) { whiteness_.value = start; }
+  explicit Sum(double start) { whiteness_.value = start; }
 
   void addAlongU(int weight, const Step& step) {
     addStep(weight, step);
@@ -132,10 +128,9 @@ class Sum {
     derive(turn.weight * (u.pdf * v.cdf + by_a), u.a, turn.shift_u, turn.weight * (u.cdf * v.pdf + by_b), v.a, turn.shift_v);
   }
 
-  Whiteness finish(const Eigen::Vector2d& slope) {
-    const double per_blur = 1.0 / blur_;
-    whiteness_.J_value_uv(0) *= per_blur / slope.x();
-    whiteness_.J_value_uv(1) *= per_blur / slope.y();
+  Whiteness finish(const Eigen::Vector2d& width, double per_blur) {
+    whiteness_.J_value_uv(0) *= per_blur * width.x();
+    whiteness_.J_value_uv(1) *= per_blur * width.y();
     whiteness_.J_value_blur *= per_blur;
     whiteness_.J_value_growth *= per_blur;
     return whiteness_;
@@ -153,20 +148,23 @@ class Sum {
     whiteness_.J_value_growth -= by_a * shift_u + by_b * shift_v;
   }
 
-  double blur_;
   Whiteness whiteness_;
 };
 
 }  // namespace
 
 TagView::TagView(const Eigen::Vector2d& coordinates, const Eigen::Matrix2d& J_uv_px)
-    : uv(coordinates), slope(J_uv_px.rowwise().norm()), cosine(J_uv_px.row(0).dot(J_uv_px.row(1)) / slope.prod()) {}
+    : uv(coordinates),
+      slope(J_uv_px.rowwise().norm()),
+      width(slope.cwiseInverse()),
+      cosine(J_uv_px.row(0).dot(J_uv_px.row(1)) * width.prod()) {}
 
 Whiteness whiteness(const TagPattern& pattern, const TagView& view, const PointSpread& spread, double growth) {
-  Lines across_u(view.uv.x(), view.slope.x(), spread, growth);
-  Lines across_v(view.uv.y(), view.slope.y(), spread, growth);
+  const double per_blur = 1.0 / spread.blur;
+  Lines across_u(view.uv.x(), view.slope.x(), view.width.x(), spread, per_blur, growth);
+  Lines across_v(view.uv.y(), view.slope.y(), view.width.y(), spread, per_blur, growth);
   const int column = across_u.first(), row = across_v.first();
-  Sum sum(pattern.white(column - 1, row - 1), spread.blur);
+  Sum sum(pattern.white(column - 1, row - 1));
   for (std::size_t i = 0; i < across_u.count(); ++i) {
     const int k = column + static_cast<int>(i);
     const int step = pattern.white(k, row - 1) - pattern.white(k - 1, row - 1);
@@ -184,19 +182,12 @@ Whiteness whiteness(const TagPattern& pattern, const TagView& view, const PointS
       }
     }
   }
-  return sum.finish(view.slope);
+  return sum.finish(view.width, per_blur);
 }
 
 Surroundings surroundings(const TagPattern& pattern, const TagView& view, double edge_reach, double unknown_reach) {
   const Eigen::Vector2d near = edge_reach * view.slope;
-  const int left = cellAt(view.uv.x() - near.x()), right = cellAt(view.uv.x() + near.x());
-  const int top = cellAt(view.uv.y() - near.y()), bottom = cellAt(view.uv.y() + near.y());
-  const int here = pattern.white(left, top);
-  bool alike = true;
-  for (int row = top; alike && row <= bottom; ++row) {
-    for (int column = left; alike && column <= right; ++column) alike = pattern.white(column, row) == here;
-  }
-  if (alike) return Surroundings::kFlat;
+  if (pattern.isUniform(view.uv - near, view.uv + near)) return Surroundings::kFlat;
   const Eigen::Vector2d far = unknown_reach * view.slope;
   for (const double v : {view.uv.y() - far.y(), view.uv.y() + far.y()}) {
     for (const double u : {view.uv.x() - far.x(), view.uv.x() + far.x()}) {

@@ -7,12 +7,11 @@
 #include <opencv2/core/mat.hpp>
 
 #include "detection/lens_patch.hpp"
+#include "detection/plane_map.hpp"
 #include "detection/tag_appearance.hpp"
 #include "detection/tag_pattern.hpp"
 
 namespace poecal {
-
-using TagCorners = Eigen::Matrix<double, 2, 4>;  ///< column k: corner k in the contract's order [px]
 
 struct TagFit {
   TagCorners px = TagCorners::Zero();
