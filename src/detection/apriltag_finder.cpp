@@ -36,7 +36,7 @@ class AprilTagFinder : public CornerFinder {
     }
     Finding finding = choose(tags);
     if (grid_) settleGridCorners(*grid_, grey, finding.corners);
-    if (refiner_) refine(grey, finding.corners);
+    if (refiner_) finding.look = refine(grey, finding.corners);
     return finding;
   }
 
@@ -69,8 +69,9 @@ class AprilTagFinder : public CornerFinder {
     return finding;
   }
 
-  /// Fits the tags that have all four corners to the picture; others stay as they are.
-  void refine(const cv::Mat& grey, std::vector<Corner>& corners) {
+  /// Fits the tags that have all four corners to the picture; others stay as they are. @return what the fits say of the picture.
+  std::optional<PictureLook> refine(const cv::Mat& grey, std::vector<Corner>& corners) {
+    std::vector<PictureLook> looks;
     for (std::size_t first = 0; first + 4 <= corners.size(); ++first) {
       const int id = corners[first].id.tag;
       if (corners[first].id.corner != 0 || corners[first + 3].id != PointId{id, 3}) continue;
@@ -80,7 +81,9 @@ class AprilTagFinder : public CornerFinder {
       if (!fit) continue;
       const Eigen::Vector4d sigmas = fit->sigmas();
       for (int k = 0; k < 4; ++k) corners[first + static_cast<std::size_t>(k)] = {{id, k}, fit->px.col(k), sigmas(k)};
+      looks.push_back(fit->look());
     }
+    return medianLook(looks);
   }
 
   std::string family_;

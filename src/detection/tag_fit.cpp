@@ -239,6 +239,12 @@ Eigen::Vector4d TagFit::sigmas() const {
   return sigmas;
 }
 
+PictureLook TagFit::look() const {
+  constexpr double kSquare = 1.0 / 12.0;  // variance of what is even over one pixel, or one grey level
+  const auto without = [](double whole) { return std::sqrt(std::max(0.0, whole * whole - kSquare)); };
+  return {without(spread.blur), without(noise), growth};
+}
+
 std::optional<TagFit> fitTag(const cv::Mat& grey, const TagPattern& pattern, const TagCorners& start, const LensPatch& lens) {
   Fit fit(grey, pattern, start, lens);
   if (!fit.run()) return std::nullopt;
