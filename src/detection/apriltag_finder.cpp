@@ -37,6 +37,7 @@ class AprilTagFinder : public CornerFinder {
     Finding finding = choose(tags);
     if (grid_) settleGridCorners(*grid_, grey, finding.corners);
     if (refiner_) finding.look = refine(grey, finding.corners);
+    if (refiner_ && grid_ && !finding.look) dropLoneTag(finding);
     return finding;
   }
 
@@ -84,6 +85,13 @@ class AprilTagFinder : public CornerFinder {
       looks.push_back(fit->look());
     }
     return medianLook(looks);
+  }
+
+  /// Kalibr's black squares draw the corners of tags away by pixels; where only one is in view, its fit alone could have told.
+  static void dropLoneTag(Finding& finding) {
+    if (finding.corners.size() != 4) return;
+    finding.notes.push_back(fmt::format("tag {} stands alone and does not fit the picture", finding.corners.front().id.tag));
+    finding.corners.clear();
   }
 
   std::string family_;

@@ -44,6 +44,7 @@ struct DetectResult {
 /// Tags: a quick pass with quad_decimate, and where a tag of the target is missing a thorough one in the full picture.
 /// Their corners are then fitted to the picture (options.refine). Each states its sigma: the fit's, or that of AprilTag's own corners; what
 /// the fits say of blur, noise and growth is the picture's look, by the median of its tags.
+/// The only tag of an aprilgrid in a picture is left out where it cannot be fitted: black squares at its corners draw them away by pixels.
 /// A tag id seen twice in one picture gives no corners for that id. A picture that fails alone is a note. Where no tag was seen at all but
 /// tags of another family are there, the last note says so.
 /// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;
