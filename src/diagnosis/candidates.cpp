@@ -116,14 +116,12 @@ void addNamed(const CaptureContext& capture, const Effect& effect, double share,
   }
 }
 
-/// cos(pi j x), j = 1..waves, of the driver scaled to 0..1; empty where it does not vary.
-Eigen::MatrixXd waves(const Eigen::VectorXd& driver, int count) {
+/// The range of a driver in the samples; nothing where it does not vary, or is not known of all.
+std::optional<CurveRange> rangeOf(const Eigen::VectorXd& driver) {
   if (!driver.allFinite() || driver.size() == 0) return {};
-  const double low = driver.minCoeff(), range = driver.maxCoeff() - low;
-  if (!(range > 1e-12 * (1.0 + std::abs(low)))) return {};
-  Eigen::MatrixXd values(driver.size(), count);
-  for (int j = 1; j <= count; ++j) values.col(j - 1) = (M_PI * j * ((driver.array() - low) / range)).cos();
-  return values;
+  const CurveRange range{driver.minCoeff(), driver.maxCoeff()};
+  if (!(range.high - range.low > 1e-12 * (1.0 + std::abs(range.low)))) return {};
+  return range;
 }
 
 /// Waves grow smaller beyond `bend` a range, as smooth curves have it.
@@ -142,87 +140,71 @@ struct Driver {
 
 class Curves {
  public:
-  Curves(const MeasuredCell& measured, const std::vector<SampleContext>& contexts, const std::vector<std::string>& other_columns)
-      : measured_(measured), contexts_(contexts) {
-    addDriver("stamp", kStampWaves, [](const SampleContext& c) { return c.sample.stamp.value_or(kNaN); });
-    addDriver("temperature", kFewWaves, [](const SampleContext& c) { return c.sample.temperature.value_or(kNaN); });
-    for (std::size_t i = 0; i < other_columns.size(); ++i) {
-      addDriver(other_columns[i], kFewWaves, [i](const SampleContext& c) { return i < c.sample.other.size() ? c.sample.other[i] : kNaN; });
-    }
+  Curves(const MeasuredCell& measured, const std::vector<SampleContext>& contexts) : measured_(measured), contexts_(contexts) {
+    common_.push_back(driver("stamp", kStampWaves));
+    common_.push_back(driver("temperature", kFewWaves));
+    for (const std::string& column : measured.other_columns) common_.push_back(driver(column, kFewWaves));
   }
 
   std::vector<Candidate> all() {
     if (measured_.start.arm) addJoints();
     for (const Driver& driver : common_) {
-      add(CurvePlace::kMount, 0, "camera.mount", driver);
-      add(CurvePlace::kGrip, 0, "target.mount", driver);
+      add(PlaceKind::kCameraMount, 0, driver);
+      add(PlaceKind::kTargetMount, 0, driver);
     }
     if (measured_.start.camera) addLens();
     return std::move(candidates_);
   }
 
  private:
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   static constexpr int kJointWaves = 14, kStampWaves = 14, kFewWaves = 5, kOtherJointWaves = 6, kTorqueWaves = 8, kLensOrders = 6,
                        kFineWaves = 40;
 
-  template <typename Value>
-  void addDriver(const std::string& name, int count, Value value) {
-    common_.push_back(driver(name, count, value));
-  }
-
-  template <typename Value>
-  Driver driver(const std::string& name, int count, Value value) const {
+  Driver driver(const std::string& name, int count) const {
     Driver made{name, Eigen::VectorXd(static_cast<Eigen::Index>(contexts_.size())), count};
-    for (std::size_t k = 0; k < contexts_.size(); ++k) made.value(static_cast<Eigen::Index>(k)) = value(contexts_[k]);
+    for (std::size_t k = 0; k < contexts_.size(); ++k) made.value(static_cast<Eigen::Index>(k)) = driverValue(name, contexts_[k]);
     return made;
   }
 
   void addJoints() {
     const std::size_t joints = measured_.start.arm->joints.size();
     for (std::size_t k = 0; k < joints; ++k) {
-      const std::string location = fmt::format("joint:{}", k + 1);
       for (std::size_t j = 0; j < joints; ++j) {
-        const auto reading = [j](const SampleContext& c) { return c.sample.q(static_cast<Eigen::Index>(j)); };
-        add(CurvePlace::kJoint, k, location, driver(fmt::format("q{}", j + 1), j == k ? kJointWaves : kOtherJointWaves, reading));
+        const std::string reading = fmt::format("q{}", j + 1);
+        add(PlaceKind::kJoint, k, driver(reading, j == k ? kJointWaves : kOtherJointWaves));
         if (j != k) continue;
         // Teeth, steps and saws, which a few smooth waves do not follow.
-        Driver fine = driver(fmt::format("q{}", j + 1), kFineWaves, reading);
+        Driver fine = driver(reading, kFineWaves);
         fine.bend = kFineWaves;
-        add(CurvePlace::kJoint, k, location, fine);
+        add(PlaceKind::kJoint, k, fine);
       }
-      const auto torque = [k](const SampleContext& c) { return c.torque(static_cast<Eigen::Index>(k)); };
-      add(CurvePlace::kJoint, k, location, driver(fmt::format("tau{}", k + 1), kTorqueWaves, torque));
-      for (const Driver& each : common_) add(CurvePlace::kJoint, k, location, each);
+      add(PlaceKind::kJoint, k, driver(fmt::format("tau{}", k + 1), kTorqueWaves));
+      for (const Driver& each : common_) add(PlaceKind::kJoint, k, each);
     }
   }
 
   void addLens() {
     Candidate candidate;
-    candidate.curve = Curve{.place = CurvePlace::kLens, .index = 0, .waves = {}, .orders = kLensOrders};
-    candidate.location = "camera.lens";
+    candidate.curve = Curve{.place = PlaceKind::kCameraLens, .index = 0, .range = {}, .waves = 0, .orders = kLensOrders};
+    candidate.location = placeName(PlaceKind::kCameraLens);
     candidate.driver = "pixel";
     std::vector<double> typical;
-    for (int i = 0; i <= kLensOrders; ++i) {
-      for (int j = 0; i + j <= kLensOrders; ++j) {
-        if (i + j == 0) continue;
-        typical.insert(typical.end(), 2, 0.3 / (1.0 + std::pow((i + j) / 3.0, 2)));
-      }
-    }
+    for (const auto& [i, j] : pixelOrders(kLensOrders)) typical.insert(typical.end(), 2, 0.3 / (1.0 + std::pow((i + j) / 3.0, 2)));
     candidate.typical = Eigen::Map<Eigen::VectorXd>(typical.data(), static_cast<Eigen::Index>(typical.size()));
     push(std::move(candidate));
   }
 
-  void add(CurvePlace place, std::size_t index, const std::string& location, const Driver& driver) {
+  void add(PlaceKind place, std::size_t index, const Driver& driver) {
     constexpr double kTypicalRadian = 2e-4, kTypicalMetre = 2e-4;
-    const Eigen::MatrixXd values = waves(driver.value, std::min<int>(driver.waves, static_cast<int>(contexts_.size()) / 5));
-    if (values.size() == 0) return;
+    const std::optional<CurveRange> range = rangeOf(driver.value);
+    const int count = std::min(driver.waves, static_cast<int>(contexts_.size()) / 5);
+    if (!range || count == 0) return;
+    const bool joint = place == PlaceKind::kJoint;
     Candidate candidate;
-    candidate.curve = Curve{.place = place, .index = index, .waves = values, .orders = 0};
-    candidate.location = location;
+    candidate.curve = Curve{.place = place, .index = index, .range = *range, .waves = count, .orders = 0};
+    candidate.location = joint ? fmt::format("{}:{}", placeName(place), index + 1) : placeName(place);
     candidate.driver = driver.name;
-    const auto count = static_cast<int>(values.cols());
-    if (place == CurvePlace::kJoint) {
+    if (joint) {
       candidate.typical = smooth(count, kTypicalRadian, driver.bend);
     } else {
       candidate.typical.resize(6 * count);
@@ -278,17 +260,9 @@ Eigen::MatrixXd lensColumns(const Curve& curve, Eigen::Index count, const Captur
     for (std::size_t point = 0; point < part.context.points.size(); ++point) {
       const Eigen::Vector2d px = part.context.points[point].px;
       if (!px.allFinite()) continue;
-      const double u = px.x() / camera.width, v = px.y() / camera.height;
-      Eigen::Index column = 0;
-      for (int i = 0; i <= curve.orders; ++i) {
-        for (int j = 0; i + j <= curve.orders; ++j) {
-          if (i + j == 0) continue;
-          const double wave = std::cos(M_PI * i * u) * std::cos(M_PI * j * v) / part.unit_sigma[point];
-          const auto row = part.begin + 2 * static_cast<Eigen::Index>(point);
-          columns(row, column++) = wave;
-          columns(row + 1, column++) = wave;
-        }
-      }
+      const Eigen::RowVectorXd waves = pixelWaves(px, camera, curve.orders) / part.unit_sigma[point];
+      const auto row = part.begin + 2 * static_cast<Eigen::Index>(point);
+      for (Eigen::Index k = 0; k < waves.size(); ++k) columns(row, 2 * k) = columns(row + 1, 2 * k + 1) = waves(k);
     }
   }
   return columns;
@@ -296,29 +270,29 @@ Eigen::MatrixXd lensColumns(const Curve& curve, Eigen::Index count, const Captur
 
 Eigen::MatrixXd curveColumns(const Candidate& candidate, const CaptureRows& rows) {
   const Curve& curve = *candidate.curve;
-  if (curve.place == CurvePlace::kLens) return lensColumns(curve, candidate.typical.size(), rows);
-  const Eigen::Index count = curve.waves.cols();
+  if (curve.place == PlaceKind::kCameraLens) return lensColumns(curve, candidate.typical.size(), rows);
+  const Eigen::Index count = curve.waves;
   Eigen::MatrixXd columns(rows.size(), candidate.typical.size());
   for (const ObservationRows& part : rows.observations) {
-    const auto k = static_cast<Eigen::Index>(part.context.number);
+    const Eigen::RowVectorXd waves = curve.range.waves(driverValue(candidate.driver, part.context), count);
     const auto block = [&](const Eigen::MatrixXd& ports) {
       const Eigen::MatrixXd moved = part.rows.H * ports;
       for (Eigen::Index axis = 0; axis < moved.cols(); ++axis) {
-        columns.block(part.begin, axis * count, part.size, count) = moved.col(axis) * curve.waves.row(k);
+        columns.block(part.begin, axis * count, part.size, count) = moved.col(axis) * waves;
       }
     };
-    if (curve.place == CurvePlace::kJoint) block(part.ports.joints.col(static_cast<Eigen::Index>(curve.index)));
-    if (curve.place == CurvePlace::kMount) block(part.ports.mount);
-    if (curve.place == CurvePlace::kGrip) block(part.ports.grip);
+    if (curve.place == PlaceKind::kJoint) block(part.ports.joints.col(static_cast<Eigen::Index>(curve.index)));
+    if (curve.place == PlaceKind::kCameraMount) block(part.ports.mount);
+    if (curve.place == PlaceKind::kTargetMount) block(part.ports.grip);
   }
   return columns;
 }
 
 }  // namespace
 
-CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns) {
+CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state) {
   CandidateList list;
-  const auto capture = makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples);
+  const auto capture = makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples, measured.other_columns);
   std::vector<SampleContext> contexts;
   for (std::size_t k = 0; k < measured.samples.size(); ++k) contexts.push_back(makeSampleContext(capture, measured.samples[k], k, {}));
   const Candidates named = candidateEffects(state.cell.cell, measured.target, measured.samples);
@@ -335,7 +309,7 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
     addNamed(*capture, effect, kNamedShare / static_cast<double>(kinds.size()) / instances[effect.name()], measured.samples,
              list.candidates);
   }
-  std::vector<Candidate> curves = Curves(measured, contexts, other_columns).all();
+  std::vector<Candidate> curves = Curves(measured, contexts).all();
   for (Candidate& curve : curves) {
     curve.log_prior = std::log(kCurveShare / static_cast<double>(curves.size()));
     list.candidates.push_back(std::move(curve));

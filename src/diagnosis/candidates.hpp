@@ -9,19 +9,18 @@
 #include <Eigen/Core>
 
 #include "diagnosis/capture_rows.hpp"
+#include "effects/curve.hpp"
 #include "poecal/effects/catalogue.hpp"
 
 namespace poecal {
 
-/// Where a curve enters.
-enum class CurvePlace { kJoint, kMount, kGrip, kLens };
-
 /// A smooth function of a driver at a place, as a sum of waves of the driver: "unknown, there, driven by that".
 struct Curve {
-  CurvePlace place = CurvePlace::kJoint;
-  std::size_t index = 0;  ///< of the joint
-  Eigen::MatrixXd waves;  ///< observations x waves; empty for the lens, whose waves are of the pixel
-  int orders = 0;         ///< lens only: waves along u and v in all
+  PlaceKind place = PlaceKind::kJoint;  ///< joint, camera.mount, target.mount or camera.lens
+  std::size_t index = 0;                ///< of the joint
+  CurveRange range;                     ///< of the driver in the capture; not for the lens, whose waves are of the pixel
+  Eigen::Index waves = 0;               ///< how many
+  int orders = 0;                       ///< lens only: waves along u and v in all
 };
 
 /// One explanation. Its columns are the derivatives of the rows by its linear parameters.
@@ -47,8 +46,7 @@ struct CandidateList {
   std::vector<NotTestable> not_testable;
 };
 
-/// @param other_columns  names of the samples' further columns, which may drive a curve.
-CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns);
+CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state);
 
 /// d(rows)/d(column factor), rows x typical.size().
 Eigen::MatrixXd columnsOf(const Candidate& candidate, const CaptureRows& rows);

@@ -28,7 +28,7 @@ const std::vector<std::vector<std::size_t>>& chosen(const MeasuredCell& measured
 }
 
 std::shared_ptr<const CaptureContext> contextOf(const MeasuredCell& measured, const ModelState& state) {
-  return makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples);
+  return makeCaptureContext(state.cell.cell, measured.target, measured.gravity, measured.samples, measured.other_columns);
 }
 
 /// Points moved as the target is bent, pixels moved back, seen by the camera as it is disturbed.

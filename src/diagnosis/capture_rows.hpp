@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,7 @@ struct MeasuredCell {
   FreeParameters free;  ///< of the base model: twists, and both transforms or gamma, and intrinsics where their deviations are stated
   std::vector<Observation> observations;
   std::vector<Sample> samples;                   ///< of each observation
+  std::vector<std::string> other_columns;        ///< names of the samples' further columns, which may drive a curve
   std::vector<std::vector<std::size_t>> groups;  ///< repeat shots of one pose, as indices into observations
   Target target;
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};

@@ -19,13 +19,14 @@ namespace {
 // Expected chi-square of an effect that a search over some hundred answers finds four times in five.
 constexpr double kDetectableChiSquare = 36.0;
 // An effect that would have to be so many times its usual size is none that these data can test.
-constexpr double kAbsurdSize = 30.0;
+constexpr double kAbsurdSize = 20.0;
 constexpr std::size_t kFewestPoses = 12;
 
 MeasuredCell measuredCell(const Identification& identification, const std::vector<Observation>& observations,
-                          const std::vector<Sample>& samples, const Target& target, const Eigen::Vector3d& gravity,
-                          const DiagnoseOptions& options) {
+                          const std::vector<Sample>& samples, const std::vector<std::string>& other_columns, const Target& target,
+                          const Eigen::Vector3d& gravity, const DiagnoseOptions& options) {
   MeasuredCell measured;
+  measured.other_columns = other_columns;
   measured.start = identification.start;
   measured.free = identification.free;
   // A camera that was re-fitted though its file states no deviations is the lens that it was found to be, or the finding would be lost in
@@ -151,6 +152,11 @@ std::vector<Eigen::VectorXd> factorDeviations(const Selection& selection) {
   return all;
 }
 
+/// Of a joint that moves at random [rad] or [m].
+double scatterSigma(const Selection& selection, const FoundEffect& found) {
+  return std::sqrt(*varianceOf(scatterName(*found.scatter), selection.linear.components, selection.linear.noise));
+}
+
 void fillParameters(const Accepted& accepted, const Eigen::VectorXd& deviation, Finding& finding) {
   const Candidate& candidate = accepted.candidate;
   if (!candidate.known()) return;
@@ -199,23 +205,20 @@ void climb(const Selection& selection, const Identification& identification, con
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     taken.push_back(i);
-    if (selection.findings[i].accepted) rungs.push_back(ladder.rungWith(rungName(selection, taken), taken));
+    rungs.push_back(ladder.rungWith(rungName(selection, taken), taken));
   }
-  for (const Rung& rung : rungs) diagnosis.stages.push_back(ladder.stageOf(rung));
+  for (const Rung& rung : rungs) diagnosis.stages.push_back(ladder.stageOf(rung, rungs.back()));
   constexpr std::size_t kIdentified = 2;
-  diagnosis.noise_rms = ladder.noiseRms();
+  diagnosis.noise_rms = ladder.noiseRms(rungs.back());
   diagnosis.before_excess = diagnosis.stages[kIdentified].excess;
   diagnosis.after_excess = diagnosis.stages.back().excess;
   if (rungs.size() > kIdentified + 1) diagnosis.shrinkage = ladder.shrinkage(rungs[kIdentified], rungs.back());
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
-    if (!selection.findings[i].accepted) continue;
     std::vector<std::size_t> others;
     for (const std::size_t j : taken) {
       if (j != i) others.push_back(j);
     }
-    const bool alone =
-        std::none_of(others.begin(), others.end(), [&](std::size_t j) { return selection.findings[j].accepted.has_value(); });
-    diagnosis.findings[i].shrinkage = alone ? diagnosis.shrinkage : ladder.shrinkage(ladder.rungWith("", others), rungs.back());
+    diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : ladder.shrinkage(ladder.rungWith("", others), rungs.back());
   }
 }
 
@@ -354,23 +357,39 @@ void tellBad(const Selection& selection, const std::vector<Observation>& observa
   diagnosis.findings.push_back(std::move(finding));
 }
 
+/// What was found as the model holds it: named effects, curves, and joints that move at random.
+std::vector<AppliedEffect> appliedEffects(const Selection& selection, const std::vector<Eigen::VectorXd>& deviations) {
+  const ModelState& state = selection.linear.state;
+  std::vector<AppliedEffect> effects;
+  for (std::size_t k = 0; k < selection.linear.accepted.size(); ++k) {
+    const Accepted& one = selection.linear.accepted[k];
+    const Candidate& candidate = one.candidate;
+    AppliedEffect applied = candidate.known()
+                                ? state.effects[one.effect]
+                                : makeCurve(candidate.location, candidate.driver, candidate.curve->range, one.factors, state.cell.cell);
+    applied.standard_deviation = Eigen::VectorXd::Constant(applied.parameters.size(), std::numeric_limits<double>::quiet_NaN());
+    Eigen::Index next = 0;
+    for (std::size_t i = 0; i < applied.effect.parameters().size(); ++i) {
+      if (applied.effect.parameters()[i].role != ParameterRole::kLinear) continue;
+      applied.standard_deviation(static_cast<Eigen::Index>(i)) = deviations[k](next++);
+    }
+    effects.push_back(std::move(applied));
+  }
+  for (const FoundEffect& found : selection.findings) {
+    if (!found.scatter) continue;
+    effects.push_back(makeEffect(
+        {.effect = found.name, .location = found.location, .parameters = {{"sigma", scatterSigma(selection, found)}}}, state.cell.cell));
+  }
+  return effects;
+}
+
 void tellModel(const Selection& selection, const Identification& identification, const std::vector<Eigen::VectorXd>& deviations,
                Diagnosis& diagnosis) {
   diagnosis.model = identification.model;
   const ModelState& state = selection.linear.state;
   diagnosis.model.cell = state.cell.cell;
   if (!selection.measured.target.points.empty()) diagnosis.model.target = selection.measured.target;
-  diagnosis.model.effects = state.effects;
-  std::size_t next = 0;
-  for (const Accepted& one : selection.linear.accepted) {
-    const Eigen::VectorXd& deviation = deviations[next++];
-    if (!one.candidate.known()) continue;
-    AppliedEffect& applied = diagnosis.model.effects[one.effect];
-    applied.standard_deviation = Eigen::VectorXd::Constant(applied.parameters.size(), std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t i = 0; i < one.candidate.linear.size(); ++i) {
-      applied.standard_deviation(one.candidate.linear[i]) = deviation(static_cast<Eigen::Index>(i));
-    }
-  }
+  diagnosis.model.effects = appliedEffects(selection, deviations);
   const MeasuredCell& measured = selection.measured;
   const ParameterLayout layout(state.cell.cell, measured.free);
   const Eigen::MatrixXd& covariance = selection.linear.noise.covariance;
@@ -406,8 +425,7 @@ Diagnosis told(const Selection& selection, const Identification& identification,
       ++next;
     }
     if (found.scatter) {
-      finding.parameters["sigma"] =
-          std::sqrt(*varianceOf(scatterName(*found.scatter), selection.linear.components, selection.linear.noise));
+      finding.parameters["sigma"] = scatterSigma(selection, found);
       finding.units["sigma"] = selection.measured.start.arm->joints[*found.scatter].type == JointType::kRevolute ? "rad" : "m";
     }
     fillAlternatives(found.ranking, finding);
@@ -430,7 +448,7 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
                    const std::vector<std::string>& other_columns, const Target& target, const Eigen::Vector3d& gravity,
                    const DiagnoseOptions& options) {
   if (!identification.start.arm) throw InsufficientData("a diagnosis needs joint readings");
-  const MeasuredCell measured = measuredCell(identification, observations, samples, target, gravity, options);
+  const MeasuredCell measured = measuredCell(identification, observations, samples, other_columns, target, gravity, options);
   if (measured.groups.size() < kFewestPoses) {
     throw InsufficientData(
         fmt::format("{} poses are too few to tell an effect from the arm's own geometry: at least {} are needed, 40 or more are advised",
@@ -441,7 +459,7 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
   // A curve of unknown shape that does not serve poses which it did not see is none that could be told of, nor is what came after it. Where
   // it is the first, what has a name may still serve; names that do not either are not given in its place.
   for (SearchLimits limits;;) {
-    const Selection selection = selectEffects(measured, state, wild, other_columns, limits);
+    const Selection selection = selectEffects(measured, state, wild, limits);
     Diagnosis diagnosis = told(selection, identification, options);
     const auto useless = std::find_if(diagnosis.findings.begin(), diagnosis.findings.end(), [&limits](const Finding& finding) {
       const bool has_size = finding.effect != "joint_scatter";

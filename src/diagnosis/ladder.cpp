@@ -2,53 +2,89 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
-#include "poecal/core/random.hpp"
+#include <Eigen/Eigenvalues>
+
 #include "poecal/core/statistics.hpp"
 #include "poecal/registration/target_pose.hpp"
 
 namespace poecal {
 namespace {
 
-/// Sum of squares of a rung above the noise, as a mean per point.
-struct MeanSquare {
-  double squares = 0.0, noise = 0.0, points = 0.0;
-  double excess() const { return points > 0.0 ? std::sqrt(std::max(0.0, (squares - noise) / points)) : 0.0; }
+/// Sums of a rung and of the last one over some poses.
+struct Sums {
+  double squares = 0.0, last_squares = 0.0, last_expected = 0.0, points = 0.0;
+  void add(const PoseErrors& pose, const PoseErrors& last, double expected) {
+    squares += pose.squares;
+    last_squares += last.squares;
+    last_expected += expected;
+    points += pose.points;
+  }
+  /// Mean square above the noise.
+  double excess() const { return points > 0.0 ? std::max(0.0, squares - last_squares + last_expected) / points : 0.0; }
+  /// 1 - excess of the last / excess, as roots.
+  double shrinkage() const {
+    constexpr double kLeast = 1e-4;  // of the last one's: without it, poses that tell nothing would tell of minus infinity
+    const double last = last_expected / points;
+    return last > 0.0 ? 1.0 - std::sqrt(last / std::max(excess(), kLeast * last)) : excess() > 0.0 ? 1.0 : 0.0;
+  }
 };
 
-double ratio(const MeanSquare& before, const MeanSquare& after) {
-  const double b = before.excess();
-  return b > 0.0 ? 1.0 - after.excess() / b : 0.0;
+/// What each row is worth in the squares of its pose: of a corner its deviation squared, of a pose that of its position alone.
+Eigen::VectorXd squareWeights(const CaptureRows& rows) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(rows.size());
+  for (const ObservationRows& part : rows.observations) {
+    const bool pose = part.rows.unit_size != 2;
+    for (Eigen::Index n = pose && part.size == 6 ? 3 : 0; n < part.size; ++n) {
+      const std::size_t unit = pose ? 0 : static_cast<std::size_t>(n / 2);
+      if (part.rows.valid[unit]) weights(part.begin + n) = part.unit_sigma[unit] * part.unit_sigma[unit];
+    }
+  }
+  return weights;
 }
 
-}  // namespace
-
-std::vector<double> noiseSquares(const Linearised& linear) {
+/// Squares of each pose that the uncertainty of a fit to all others makes: with P = X Cov X' of the pose by the whole fit and C its noise,
+/// leaving it out gives P + P (C - P)^-1 P.
+std::vector<double> expectedSquares(const Linearised& linear) {
+  const Eigen::MatrixXd X = linear.allColumns();
+  const Eigen::VectorXd weights = squareWeights(linear.rows);
+  const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
   std::vector<double> squares;
-  for (std::size_t g = 0; g < linear.rows.groups.size(); ++g) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < linear.components.size(); ++i) {
-      const Eigen::MatrixXd& Z = linear.components[i].Z[g];
-      Eigen::Index row = 0;
-      for (const std::size_t k : linear.rows.groups[g]) {
-        const ObservationRows& part = linear.rows.observations[k];
-        const bool pose = part.rows.unit_size != 2;
-        for (Eigen::Index n = 0; n < part.size; ++n, ++row) {
-          // Of a pose only the position counts; its rows are in units of its stated deviation.
-          if (pose && part.size == 6 && n < 3) continue;
-          const double sigma = part.unit_sigma[pose ? 0 : static_cast<std::size_t>(n / 2)];
-          sum += linear.noise.theta(static_cast<Eigen::Index>(i)) * Z.row(row).squaredNorm() * sigma * sigma;
-        }
-      }
-    }
-    squares.push_back(sum);
+  for (std::size_t g = 0; g < whitening.poses(); ++g) {
+    const int begin = whitening.begin(g), size = whitening.size(g);
+    const Eigen::MatrixXd part = X.middleRows(begin, size);
+    const Eigen::MatrixXd P = part * linear.noise.covariance * part.transpose();
+    // Its eigenvalues lie between 0 and 1.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> share(whitening.applyTo(g, whitening.applyTo(g, P).transpose()));
+    constexpr double kMost = 0.99;  // a pose that alone tells of something tells nothing of how well others know it
+    const Eigen::ArrayXd taken = share.eigenvalues().array().max(0.0).min(kMost);
+    const Eigen::MatrixXd directions = whitening.undo(g, share.eigenvectors());
+    const Eigen::VectorXd variances = directions.cwiseAbs2() * (taken / (1.0 - taken)).matrix();
+    squares.push_back(variances.dot(weights.segment(begin, size)));
   }
   return squares;
 }
 
+/// The noise as a fit sees it that takes all of it for single corners' own: the same in all, and of the same mean square.
+NoiseEstimate asCornerNoise(const Linearised& linear) {
+  NoiseEstimate noise = linear.noise;
+  const auto corner = std::find_if(linear.components.begin(), linear.components.end(), [](const auto& c) { return c.name == "corner"; });
+  if (corner == linear.components.end()) return noise;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < linear.components.size(); ++i) {
+    for (const Eigen::MatrixXd& Z : linear.components[i].Z) squares += noise.theta(static_cast<Eigen::Index>(i)) * Z.squaredNorm();
+  }
+  noise.theta.setZero();
+  noise.theta(corner - linear.components.begin()) = squares / linear.rows.size();
+  return noise;
+}
+
+}  // namespace
+
 Ladder::Ladder(const Selection& selection, const Registration& closed_form, int folds, std::uint64_t seed)
-    : selection_(selection), closed_form_(closed_form), noise_(noiseSquares(selection.linear)), seed_(seed) {
+    : selection_(selection), closed_form_(closed_form), expected_(expectedSquares(selection.linear)), seed_(seed) {
   const std::size_t groups = selection.measured.groups.size();
   std::vector<std::size_t> order(groups);
   std::iota(order.begin(), order.end(), 0);
@@ -103,8 +139,8 @@ Rung Ladder::judged(const std::string& stage, Fit fit) const {
     for (std::size_t g = 0; g < groups.size(); ++g) {
       (std::binary_search(fold.begin(), fold.end(), g) ? test : train).push_back(groups[g]);
     }
-    const std::pair<ModelState, std::vector<Accepted>> model = fit(train);
-    addErrors(linearise(selection_.measured, model.first, model.second, {}, test), test, fold, rung);
+    const Fitted model = fit(train);
+    addErrors(linearise(selection_.measured, model.state, model.accepted, {}, test), test, fold, rung);
   }
   return rung;
 }
@@ -114,7 +150,7 @@ std::vector<Rung> Ladder::geometricRungs() const {
   ModelState nominal{CellState(measured.start, measured.free), {}};
   nominal.cell.cell.registration = closed_form_;
   std::vector<Rung> rungs;
-  rungs.push_back(judged("nominal", [&](const Groups&) { return std::pair(nominal, std::vector<Accepted>{}); }));
+  rungs.push_back(judged("nominal", [&](const Groups&) { return Fitted{nominal, {}}; }));
   rungs.push_back(judged("registered", [&](const Groups& train) {
     MeasuredCell registration = measured;
     registration.free = {.near = measured.free.near, .far = measured.free.far};
@@ -127,89 +163,107 @@ std::vector<Rung> Ladder::geometricRungs() const {
     options.free = registration.free;
     ModelState state{CellState(measured.start, measured.free), {}};
     if (options.free.near) state.cell.cell = adjust(measured.start, some, options).cell;
-    return std::pair(state, std::vector<Accepted>{});
+    return Fitted{state, {}};
   }));
-  rungs.push_back(rungWith("identified", {}));
+  rungs.push_back(fitted("identified", selection_.base, {}, {}, asCornerNoise(selection_.base_linear)));
   return rungs;
+}
+
+Rung Ladder::fitted(const std::string& stage, const ModelState& start, const std::vector<Accepted>& accepted,
+                    const std::vector<std::size_t>& scatter, const NoiseEstimate& noise) const {
+  return judged(stage, [&](const Groups& train) {
+    const Linearised linear = refit(selection_.measured, start, accepted, scatter, noise, train, false);
+    return Fitted{linear.state, linear.accepted};
+  });
 }
 
 Rung Ladder::rungWith(const std::string& stage, const std::vector<std::size_t>& findings) const {
   std::vector<Accepted> accepted;
-  for (const std::size_t i : findings) {
-    if (selection_.findings[i].accepted) accepted.push_back(*selection_.findings[i].accepted);
-  }
-  // What a single pose is worth does not hang on which rung it judges: the noise is that of the whole model.
-  NoiseEstimate noise = selection_.linear.noise;
   std::vector<std::size_t> scatter;
-  for (const FoundEffect& found : selection_.findings) {
+  for (const std::size_t i : findings) {
+    const FoundEffect& found = selection_.findings[i];
+    if (found.accepted) accepted.push_back(*found.accepted);
     if (found.scatter) scatter.push_back(*found.scatter);
   }
-  const bool whole = accepted.size() + scatter.size() == selection_.findings.size();
+  const bool whole = findings.size() == selection_.findings.size();
   const ModelState& start = whole ? selection_.linear.state : selection_.base;
-  return judged(stage, [&](const Groups& train) {
-    const Linearised linear = refit(selection_.measured, start, accepted, scatter, noise, train, false);
-    return std::pair(linear.state, linear.accepted);
-  });
+  const auto all_scatter = std::count_if(selection_.findings.begin(), selection_.findings.end(), [](const auto& f) { return f.scatter; });
+  // What a single pose is worth does not hang on which rung it judges: the noise is that of the whole model.
+  if (static_cast<std::ptrdiff_t>(scatter.size()) == all_scatter) return fitted(stage, start, accepted, scatter, selection_.linear.noise);
+  // A joint that moves at random is noise itself: who does not know of it takes it for that of all joints.
+  const Linearised without = refit(selection_.measured, start, accepted, scatter, selection_.base_linear.noise, {}, true);
+  return fitted(stage, start, accepted, scatter, without.noise);
 }
 
-GapStage Ladder::stageOf(const Rung& rung) const {
+GapStage Ladder::stageOf(const Rung& rung, const Rung& last) const {
   PoseErrors sum;
-  MeanSquare mean;
+  Sums sums;
   for (std::size_t g = 0; g < rung.poses.size(); ++g) {
     const PoseErrors& pose = rung.poses[g];
     sum.position += pose.position;
     sum.rotation += pose.rotation;
     sum.targets += pose.targets;
-    mean.squares += pose.squares;
-    mean.points += pose.points;
-    mean.noise += noise_[g];
+    sums.add(pose, last.poses[g], expected_[g]);
   }
   GapStage stage;
   stage.stage = rung.stage;
-  stage.rms = mean.points > 0.0 ? std::sqrt(mean.squares / mean.points) : 0.0;
-  stage.excess = mean.excess();
+  stage.rms = sums.points > 0.0 ? std::sqrt(sums.squares / sums.points) : 0.0;
+  stage.excess = std::sqrt(sums.excess());
   stage.position = sum.targets > 0.0 ? std::sqrt(sum.position / sum.targets) : 0.0;
   stage.rotation = sum.targets > 0.0 ? std::sqrt(sum.rotation / sum.targets) : 0.0;
   return stage;
 }
 
-Shrinkage Ladder::shrinkage(const Rung& before, const Rung& after) const {
-  constexpr int kResamples = 2000;
-  const std::size_t count = before.poses.size();
-  const auto add = [this](const PoseErrors& pose, std::size_t g, MeanSquare& mean) {
-    mean.squares += pose.squares;
-    mean.points += pose.points;
-    mean.noise += noise_[g];
-  };
-  MeanSquare b, a;
-  for (std::size_t g = 0; g < count; ++g) {
-    add(before.poses[g], g, b);
-    add(after.poses[g], g, a);
+Eigen::MatrixXd Ladder::drawnSquares(int draws, Rng& rng) const {
+  const Linearised& linear = selection_.linear;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> covariance(linear.noise.covariance);
+  const Eigen::MatrixXd root = covariance.eigenvectors() * covariance.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd moved = squareWeights(linear.rows).cwiseSqrt().asDiagonal() * (linear.allColumns() * root);
+  const Eigen::MatrixXd errors = Eigen::MatrixXd::NullaryExpr(moved.cols(), draws, [&rng] { return rng.normal(); });
+  Eigen::MatrixXd squares(static_cast<Eigen::Index>(expected_.size()), draws);
+  Eigen::Index begin = 0;
+  for (Eigen::Index g = 0; g < squares.rows(); ++g) {
+    Eigen::Index size = 0;
+    for (const std::size_t k : linear.rows.groups[static_cast<std::size_t>(g)]) size += linear.rows.observations[k].size;
+    const auto part = moved.middleRows(begin, size);
+    // What the fit saw of the pose makes it better known than it is to a fit that did not.
+    const double unseen = expected_[static_cast<std::size_t>(g)] / std::max(part.squaredNorm(), std::numeric_limits<double>::min());
+    squares.row(g) = unseen * (part * errors).colwise().squaredNorm();
+    begin += size;
   }
+  return squares;
+}
+
+Shrinkage Ladder::shrinkage(const Rung& before, const Rung& last) const {
+  constexpr int kResamples = 2000, kDraws = 400;
+  constexpr std::size_t kTestPoses = 60;
+  const std::size_t count = before.poses.size();
+  Sums all;
+  for (std::size_t g = 0; g < count; ++g) all.add(before.poses[g], last.poses[g], expected_[g]);
   Shrinkage shrinkage;
-  shrinkage.value = ratio(b, a);
-  if (!(b.excess() > 0.0)) return shrinkage;
+  if (!(all.points > 0.0)) return shrinkage;
+  shrinkage.value = all.shrinkage();
   Rng rng(seed_, 1);
+  const Eigen::MatrixXd expected = drawnSquares(kDraws, rng);
+  // These poses are a sample, and so are those on which somebody looks again: both means scatter, as one over so many poses does.
+  const std::size_t again = std::min<std::size_t>(count, kTestPoses), others = std::max<std::size_t>(1, count * again / (count + again));
   std::vector<double> values;
   for (int resample = 0; resample < kResamples; ++resample) {
-    MeanSquare rb, ra;
-    for (std::size_t k = 0; k < count; ++k) {
+    Sums sums;
+    for (std::size_t k = 0; k < others; ++k) {
       const std::size_t g = rng.below(count);
-      add(before.poses[g], g, rb);
-      add(after.poses[g], g, ra);
+      sums.add(before.poses[g], last.poses[g], expected(static_cast<Eigen::Index>(g), resample % kDraws));
     }
-    values.push_back(ratio(rb, ra));
+    values.push_back(sums.shrinkage());
   }
   shrinkage.interval = {quantile(values, 0.025), quantile(values, 0.975)};
   return shrinkage;
 }
 
-double Ladder::noiseRms() const {
-  double noise = std::accumulate(noise_.begin(), noise_.end(), 0.0), points = 0.0;
-  for (const std::vector<std::size_t>& group : selection_.measured.groups) {
-    for (const std::size_t k : group) points += selection_.measured.observations[k].unitCount();
-  }
-  return points > 0.0 ? std::sqrt(noise / points) : 0.0;
+double Ladder::noiseRms(const Rung& last) const {
+  Sums sums;
+  for (std::size_t g = 0; g < last.poses.size(); ++g) sums.add(last.poses[g], last.poses[g], expected_[g]);
+  return sums.points > 0.0 ? std::sqrt(std::max(0.0, sums.last_squares - sums.last_expected) / sums.points) : 0.0;
 }
 
 }  // namespace poecal

@@ -59,6 +59,8 @@ class Whitening {
   Eigen::MatrixXd apply(const Eigen::MatrixXd& M) const;
   /// L^-1 M for the rows of pose g.
   Eigen::MatrixXd applyTo(std::size_t g, const Eigen::MatrixXd& M) const;
+  /// L M for the rows of pose g.
+  Eigen::MatrixXd undo(std::size_t g, const Eigen::MatrixXd& M) const { return L_[g] * M; }
   double logDeterminant() const { return log_determinant_; }
   std::size_t poses() const { return L_.size(); }
   int begin(std::size_t g) const { return begin_[g]; }

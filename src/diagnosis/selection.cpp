@@ -161,8 +161,7 @@ std::size_t chosenAnswer(const Ranking& ranking) {
 
 class Selector {
  public:
-  Selector(const MeasuredCell& measured, const ModelState& state, const std::vector<std::string>& other_columns, const SearchLimits& limits)
-      : other_columns_(other_columns), limits_(limits) {
+  Selector(const MeasuredCell& measured, const ModelState& state, const SearchLimits& limits) : limits_(limits) {
     selection_.measured = measured;
     selection_.base = state;
     selection_.kept.resize(measured.observations.size());
@@ -211,7 +210,7 @@ class Selector {
   Ranker ranker() const { return Ranker(selection_.measured, selection_.candidates, limits_.curves); }
 
   void listCandidates() {
-    CandidateList list = allCandidates(selection_.measured, linear_.state, other_columns_);
+    CandidateList list = allCandidates(selection_.measured, linear_.state);
     selection_.candidates = std::move(list.candidates);
     selection_.not_testable = std::move(list.not_testable);
   }
@@ -442,15 +441,6 @@ class Selector {
     return late >= 3 || early >= 3;
   }
 
-  /// Without the rows of what is gone.
-  static void keepRows(const std::vector<bool>& gone, Eigen::MatrixXd& values) {
-    Eigen::Index next = 0;
-    for (Eigen::Index k = 0; k < values.rows(); ++k) {
-      if (!gone[static_cast<std::size_t>(k)]) values.row(next++) = values.row(k);
-    }
-    values.conservativeResize(next, Eigen::NoChange);
-  }
-
   void remove(const std::vector<std::size_t>& groups) {
     MeasuredCell& measured = selection_.measured;
     std::vector<bool> gone(measured.observations.size(), false);
@@ -479,9 +469,6 @@ class Selector {
       }
       if (!members.empty()) rest.groups.push_back(members);
     }
-    for (FoundEffect& found : selection_.findings) {
-      if (found.accepted && found.accepted->candidate.curve) keepRows(gone, found.accepted->candidate.curve->waves);
-    }
     measured = std::move(rest);
     selection_.kept = std::move(kept);
     std::sort(selection_.bad.begin(), selection_.bad.end());
@@ -489,7 +476,6 @@ class Selector {
 
   Selection selection_;
   Linearised linear_;
-  std::vector<std::string> other_columns_;
   SearchLimits limits_;
 };
 
@@ -510,8 +496,8 @@ double Ranking::probability(std::size_t answer) const {
 double Ranking::pValue() const { return std::min(1.0, std::exp(-log_total)); }
 
 Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
-                        const std::vector<std::string>& other_columns, const SearchLimits& limits) {
-  return Selector(measured, state, other_columns, limits).run(wild);
+                        const SearchLimits& limits) {
+  return Selector(measured, state, limits).run(wild);
 }
 
 }  // namespace poecal

@@ -64,9 +64,9 @@ struct SearchLimits {
 };
 
 /// Searches. @param state  the identified cell. @param wild  observations that a robust fit left out by far; they are left out from the
-/// start unless they are a run in time. @param other_columns  names of further columns of the samples.
+/// start unless they are a run in time.
 Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
-                        const std::vector<std::string>& other_columns, const SearchLimits& limits);
+                        const SearchLimits& limits);
 
 /// A state re-fitted with what was accepted, at a noise: Gauss-Newton on the exact residuals.
 /// @param groups  poses to fit; empty: all.

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "effects/curve.hpp"
 #include "effects/kinds.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
@@ -53,6 +54,10 @@ std::size_t placeIndex(const EffectKind& kind, const std::string& location, cons
 
 /// @throws InvalidArgument where the kind has no such driver.
 std::string chosenDriver(const EffectKind& kind, const EffectSpec& spec, std::size_t index) {
+  if (kind.drivers.empty()) {
+    if (spec.driver.empty()) throw InvalidArgument(fmt::format("{} needs its driver", kind.name));
+    return spec.driver;
+  }
   std::vector<std::string> known;
   for (const std::string& pattern : kind.drivers) known.push_back(driverName(pattern, index, spec.parameters));
   if (spec.driver.empty()) return known.front();
@@ -60,6 +65,14 @@ std::string chosenDriver(const EffectKind& kind, const EffectSpec& spec, std::si
     throw InvalidArgument(fmt::format("{} is not driven by '{}', expected {}", kind.name, spec.driver, fmt::join(known, " or ")));
   }
   return spec.driver;
+}
+
+/// @throws InvalidArgument: no such kind, or `unknown` where no curve can be.
+const EffectKind& kindOf(const EffectSpec& spec) {
+  if (spec.effect != "unknown") return effectKind(spec.effect);
+  if (const EffectKind* kind = kinds::unknownAt(spec.location)) return *kind;
+  throw InvalidArgument(
+      fmt::format("unknown cannot be at '{}', expected joint:K, camera.mount, target.mount or camera.lens", spec.location));
 }
 
 /// @throws InvalidArgument unless the fixed numbers name a joint, and not its own.
@@ -142,6 +155,14 @@ std::vector<Need> needsOf(const Effect& effect) {
   return needs;
 }
 
+/// @throws InsufficientData where a curve follows what the sample does not have.
+void checkCurveDriver(const Effect& effect, const SampleContext& context) {
+  const bool follows = effect.kind().parameters_of != nullptr && effect.driver() != "pixel";
+  if (!follows || !std::isnan(driverValue(effect.driver(), context))) return;
+  throw InsufficientData(fmt::format("{} at {} cannot be reckoned: sample {} has no {}", effect.name(), effect.location(),
+                                     context.number + 1, effect.driver()));
+}
+
 /// The fixed parameters of every instance of a kind at one place.
 std::vector<std::map<std::string, double>> instancesOf(const EffectKind& kind, std::size_t index, const Cell& cell, const Target& target) {
   std::vector<std::map<std::string, double>> instances;
@@ -171,7 +192,9 @@ Effect instantiate(const EffectKind& kind, std::size_t index, const std::string&
   effect.index_ = index;
   effect.driver_ = driver;
   effect.by_masses_ = kind.yields_to_gravity && cell.arm && cell.arm->links.empty();
-  effect.parameters_ = effect.by_masses_ ? massParameters(kind, index, *cell.arm) : kind.parameters;
+  effect.parameters_ = effect.by_masses_               ? massParameters(kind, index, *cell.arm)
+                       : kind.parameters_of == nullptr ? kind.parameters
+                                                       : kind.parameters_of(driver, parameters);
   const bool slides = kind.place == PlaceKind::kJoint && cell.arm->joints[index].type == JointType::kPrismatic;
   effect.start_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(effect.parameters_.size()));
   for (std::size_t i = 0; i < effect.parameters_.size(); ++i) {
@@ -211,7 +234,7 @@ const EffectKind& effectKind(const std::string& name) {
 }
 
 AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell) {
-  const EffectKind& kind = effectKind(spec.effect);
+  const EffectKind& kind = kindOf(spec);
   const std::size_t index = placeIndex(kind, spec.location, cell);
   checkSource(kind, spec, index, cell);
   Effect effect = instantiate(kind, index, chosenDriver(kind, spec, index), spec.parameters, cell);
@@ -235,7 +258,8 @@ std::string whyNotTestable(const Effect& effect, const Cell& cell, const Target&
 }
 
 std::vector<Disturbance> disturbancesOf(const std::vector<AppliedEffect>& effects, const Cell& cell, const Target& target,
-                                        const Eigen::Vector3d& gravity, const std::vector<Sample>& samples, bool at_random) {
+                                        const Eigen::Vector3d& gravity, const std::vector<Sample>& samples, bool at_random,
+                                        const std::vector<std::string>& other_columns) {
   if (effects.empty()) return std::vector<Disturbance>(samples.size());
   for (const AppliedEffect& applied : effects) {
     const std::string missing = whyNotTestable(applied.effect, cell, target, samples);
@@ -243,10 +267,12 @@ std::vector<Disturbance> disturbancesOf(const std::vector<AppliedEffect>& effect
       throw InsufficientData(fmt::format("{} at {} cannot be reckoned: {}", applied.effect.name(), applied.effect.location(), missing));
     }
   }
-  const auto capture = makeCaptureContext(cell, target, gravity, samples);
+  const auto capture = makeCaptureContext(cell, target, gravity, samples, other_columns);
   std::vector<Disturbance> disturbances;
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    disturbances.push_back(disturbanceOf(effects, makeSampleContext(capture, samples[k], k, target.points), at_random));
+    const SampleContext context = makeSampleContext(capture, samples[k], k, target.points);
+    for (const AppliedEffect& applied : effects) checkCurveDriver(applied.effect, context);
+    disturbances.push_back(disturbanceOf(effects, context, at_random));
   }
   return disturbances;
 }

@@ -114,11 +114,13 @@ double SampleContext::elapsed(const std::string& driver, double reference) const
 }
 
 std::shared_ptr<const CaptureContext> makeCaptureContext(const Cell& cell, const Target& target, const Eigen::Vector3d& gravity,
-                                                         const std::vector<Sample>& samples) {
+                                                         const std::vector<Sample>& samples,
+                                                         const std::vector<std::string>& other_columns) {
   auto capture = std::make_shared<CaptureContext>();
   capture->cell = cell;
   capture->target = target;
   capture->gravity = gravity;
+  capture->other_columns = other_columns;
   for (const TargetPoint& point : target.points) capture->center_target += point.p_target / static_cast<double>(target.points.size());
   capture->first_stamp = std::numeric_limits<double>::infinity();
   capture->last_stamp = -capture->first_stamp;

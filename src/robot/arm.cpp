@@ -70,9 +70,12 @@ Matrix6Xd spaceJacobian(const Arm& arm, const ArmChain& chain) {
 
 Matrix6Xd twistBasis(const Joint& joint) {
   const Eigen::Vector3d axis = joint.axis();
-  Eigen::Index least_aligned = 0;
-  axis.cwiseAbs().minCoeff(&least_aligned);
-  const Eigen::Vector3d unit = Eigen::Vector3d::Unit(least_aligned);
+  // The first axis of the frame that is far enough from it. The least aligned one would do too, but an axis along y is as far from x as from
+  // z: the smallest tilt would turn the two directions by a right angle, and with them whatever is told in them.
+  constexpr double kFar = 0.63;  // above 1/sqrt(3), so that there is always one, and the cosine of no angle that machines are built to
+  Eigen::Index far = 0;
+  while (std::abs(axis(far)) > kFar) ++far;
+  const Eigen::Vector3d unit = Eigen::Vector3d::Unit(far);
   const Eigen::Vector3d a = (unit - axis.dot(unit) * axis).normalized();
   const Eigen::Vector3d b = axis.cross(a);
   Matrix6Xd B(6, twistParameterCount(joint));

@@ -75,6 +75,41 @@ TEST(Diagnose, JointThatMovesAtRandomIsNoEffectOfItsPose) {
   EXPECT_NEAR(diagnosis.findings.front().parameters.at("sigma"), 3e-4, 0.36 * 3e-4);
 }
 
+/// Root mean square distance [px] of a model's corners from those observed at some poses.
+double rmsOf(const Model& model, const test::SmallCell& small, std::size_t first) {
+  const std::vector<Sample> samples(small.samples.begin() + static_cast<std::ptrdiff_t>(first), small.samples.end());
+  const auto disturbances = disturbancesOf(model.effects, model.cell, small.target, {0.0, 0.0, -9.80665}, samples);
+  double squares = 0.0, points = 0.0;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto px = disturbedCorners(model.cell, samples[k], small.target.points, disturbances[k]);
+    for (std::size_t j = 0; j < px.size(); ++j, ++points) squares += (*px[j] - small.observations[first + k].corners[j].px).squaredNorm();
+  }
+  return std::sqrt(squares / points);
+}
+
+TEST(Diagnose, CurveWithoutANameIsInTheModelAndServesPosesThatNobodySaw) {
+  const EffectSpec bumps{.effect = "unknown",
+                         .location = "joint:3",
+                         .parameters = {{"low", -0.7}, {"high", 0.7}, {"c3", 4e-4}, {"c5", -4e-4}, {"c7", 4e-4}},
+                         .driver = "q3"};
+  const test::SmallCell whole = test::smallCell(11, 160, kSigma, {bumps});
+  constexpr std::size_t kSeen = 80;
+  test::SmallCell seen = whole;
+  seen.samples.resize(kSeen);
+  seen.observations.resize(kSeen);
+  const Diagnosis diagnosis = seen.diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1));
+  EXPECT_EQ(diagnosis.findings.front().effect, "unknown");
+  EXPECT_EQ(diagnosis.findings.front().location, "joint:3");
+  ASSERT_THAT(diagnosis.model.effects, SizeIs(1));
+  Model without = diagnosis.model;
+  without.effects.clear();
+  EXPECT_GT(diagnosis.shrinkage.value, 0.5);
+  // The noise of a point is that of both its numbers.
+  const double noise = 2.0 * kSigma * kSigma, with = std::pow(rmsOf(diagnosis.model, whole, kSeen), 2);
+  EXPECT_LT(with - noise, 0.25 * (std::pow(rmsOf(without, whole, kSeen), 2) - noise));
+}
+
 TEST(Diagnose, WildRowsAreListedAndNothingElse) {
   test::SmallCell small = test::smallCell(5, kPoses, kSigma, {});
   for (const std::size_t k : {std::size_t{7}, std::size_t{31}}) {

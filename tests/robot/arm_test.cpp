@@ -179,6 +179,21 @@ TEST(Arm, BasisIsRightHandedAndTiltsAboutTheAnchor) {
   EXPECT_THAT(B, IsNear(x_and_y, 0.0));
 }
 
+TEST(Arm, BasisFollowsAnAxisThatTiltsALittle) {
+  constexpr double kTilt = 0.01;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(k);
+    const Matrix6Xd straight = twistBasis(Joint::revolute("straight", axis, {0, 0, 0}));
+    for (int direction = 0; direction < 12; ++direction) {
+      const double angle = M_PI / 6.0 * direction;
+      const Eigen::Vector3d across = Eigen::AngleAxisd(angle, axis) * Eigen::Vector3d::Unit((k + 1) % 3);
+      const Matrix6Xd tilted = twistBasis(Joint::revolute("tilted", axis + kTilt * across, {0, 0, 0}));
+      // Each column turns by the tilt, and by its square about the axis itself.
+      EXPECT_LT((tilted - straight).colwise().norm().maxCoeff(), 1.1 * kTilt) << "axis " << k << ", direction " << direction;
+    }
+  }
+}
+
 TEST(Arm, AxisOffsetIsTheSizeOfSingleDisplacements) {
   Rng rng = test::rngOfThisTest();
   for (const double size : {1e-9, 1e-3, 0.5}) {

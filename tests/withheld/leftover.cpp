@@ -86,12 +86,16 @@ std::vector<Eigen::MatrixXd> noiseFactors(const Cell& cell, const std::vector<Sh
         if (a / 8 == b / 8 && a % 2 == b % 2) covariance(a, b) += noise.common * noise.common;
       }
     }
-    for (Eigen::Index k = 0; noise.repeatability > 0.0 && k < shot.q.size(); ++k) {
+    for (Eigen::Index k = 0; k < shot.q.size(); ++k) {
+      const auto joint = static_cast<std::size_t>(k);
+      const auto scatter = noise.scatter.find(joint);
+      const double sigma =
+          std::hypot(repeatabilityOf(cell.arm.joints[joint], noise), scatter == noise.scatter.end() ? 0.0 : scatter->second);
+      if (sigma == 0.0) continue;
       Shot ahead = shot, behind = shot;
       ahead.q[k] += kStep;
       behind.q[k] -= kStep;
       const Eigen::VectorXd moves = (corners(cell, ahead, {}) - corners(cell, behind, {})) / (2.0 * kStep);
-      const double sigma = repeatabilityOf(cell.arm.joints[static_cast<std::size_t>(k)], noise);
       covariance += sigma * sigma * moves * moves.transpose();
     }
     factors.push_back(covariance.llt().matrixL());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,9 +13,10 @@ namespace withheld {
 
 /// What makes corners scatter. Wild rows are not part of it.
 struct Noise {
-  double corner = 0.1;         ///< of each coordinate of each corner [px]
-  double common = 0.0;         ///< of each tag as a whole [px]
-  double repeatability = 0.0;  ///< of each turning joint at each pose [rad]; sliding ones 0.3 m/rad of it
+  double corner = 0.1;                         ///< of each coordinate of each corner [px]
+  double common = 0.0;                         ///< of each tag as a whole [px]
+  double repeatability = 0.0;                  ///< of each turning joint at each pose [rad]; sliding ones 0.3 m/rad of it
+  std::map<std::size_t, double> scatter = {};  ///< joints (from 0) that come to rest at random beside that, and how far [rad, m]
 };
 
 /// Joint repeatability in the joint's unit.

@@ -22,8 +22,17 @@ Eigen::MatrixXd allColumns(const Case& made, const std::vector<Shot>& shots) {
 }  // namespace
 
 double oracleOnUnseen(const Case& made) {
+  // What comes at random is noise of a size that is known.
   std::vector<Flaw> flaws;
-  for (const Hidden& hidden : made.hidden) flaws.push_back(hidden.flaw);
+  Noise chance = made.noise;
+  for (const Hidden& hidden : made.hidden) {
+    if (hidden.flaw.at_random) {
+      const std::string& location = hidden.flaw.location;  // joint:K
+      chance.scatter[std::stoul(location.substr(location.find(':') + 1)) - 1] = hidden.flaw[0];
+    } else {
+      flaws.push_back(hidden.flaw);
+    }
+  }
   const Eigen::VectorXd right = corners(made.actual, made.shots, flaws);
   const Eigen::Index rows = right.size() / static_cast<Eigen::Index>(made.shots.size());
 
@@ -38,7 +47,7 @@ double oracleOnUnseen(const Case& made) {
     noise.segment<8>(first) = sighting.pixels.reshaped() - right.segment<8>(first);
     used.segment<8>(first).setOnes();
   }
-  const std::vector<Eigen::MatrixXd> factors = noiseFactors(made.actual, made.shots, made.noise);
+  const std::vector<Eigen::MatrixXd> factors = noiseFactors(made.actual, made.shots, chance);
   Eigen::MatrixXd columns = whiten(used.asDiagonal() * allColumns(made, made.shots), factors);
   Eigen::VectorXd observed = whiten(noise, factors);
 

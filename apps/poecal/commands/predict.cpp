@@ -82,8 +82,8 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
             fmt::format("the samples have {} joint readings, the model has {} joints", sample.q.size(), model.cell.arm->jointCount()));
       }
     }
-    const std::vector<Disturbance> disturbances =
-        disturbancesOf(model.effects, model.cell, model.target.value_or(Target{}), capture.gravity, samples);
+    const std::vector<Disturbance> disturbances = disturbancesOf(model.effects, model.cell, model.target.value_or(Target{}),
+                                                                 capture.gravity, samples, false, capture.table.other_columns);
     const bool poses = options->poses || !options->joints.empty();
     writeTextFile(options->out, poses ? posesCsv(model, samples, disturbances) : cornersCsv(model, samples, disturbances));
     printSummary(

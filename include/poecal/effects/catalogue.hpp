@@ -17,7 +17,7 @@ struct EffectKind {
   std::string name;
   PlaceKind place = PlaceKind::kJoint;
   /// Words of the contract, with K for the place's number and J for another joint's; the first is the default.
-  std::vector<std::string> drivers;
+  std::vector<std::string> drivers;         ///< empty: whatever the spec says
   std::vector<EffectParameter> parameters;  ///< units of a turning joint; "/t": "/h" where stamps drive it, "/K" where the temperature does
   std::vector<Need> needs;
   std::string meaning;  ///< one line
@@ -34,6 +34,10 @@ struct EffectKind {
   AddDerivative add_derivative = nullptr;  ///< nullptr: adds nothing
   AddDraw add_draw = nullptr;              ///< nullptr: not random
 
+  /// Where the parameters hang on which are given (how many waves a curve has): those, in place of `parameters`.
+  using ParametersOf = std::vector<EffectParameter> (*)(const std::string& driver, const std::map<std::string, double>& given);
+  ParametersOf parameters_of = nullptr;
+
   /// It is a compliance times gravity's load; see Effect::byMasses.
   bool yields_to_gravity = false;
   /// It moves single points or pixels, so that pictures cannot be drawn by moving the target or changing the lens.
@@ -49,7 +53,8 @@ const EffectKind* findEffectKind(const std::string& name);
 /// @throws InvalidArgument with the names that there are.
 const EffectKind& effectKind(const std::string& name);
 
-/// The instance that a spec names, with its values: parameters that the spec leaves out are 0.
+/// The instance that a spec names, with its values: parameters that the spec leaves out are 0. Beside those of effectKinds there is
+/// `unknown`, the curve that a diagnosis found where no listed effect serves.
 /// @throws InvalidArgument: unknown effect, location, driver or parameter (with those that there are); a scanned or fixed parameter
 /// left out; a joint that the cell does not have.
 AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell);
@@ -58,10 +63,12 @@ AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell);
 std::string whyNotTestable(const Effect& effect, const Cell& cell, const Target& target, const std::vector<Sample>& samples);
 
 /// What effects do to each sample of a capture; points are those of the target.
-/// @param at_random  with the draws of the random ones, as the simulator wants.
+/// @param at_random  with the draws of the random ones, as the simulator wants. @param other_columns  names of the samples' further
+/// columns.
 /// @throws InsufficientData: an effect is driven by what some sample lacks.
 std::vector<Disturbance> disturbancesOf(const std::vector<AppliedEffect>& effects, const Cell& cell, const Target& target,
-                                        const Eigen::Vector3d& gravity, const std::vector<Sample>& samples, bool at_random = false);
+                                        const Eigen::Vector3d& gravity, const std::vector<Sample>& samples, bool at_random = false,
+                                        const std::vector<std::string>& other_columns = {});
 
 /// An instance that cannot be tested, and why.
 struct NotTestable {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,6 +34,7 @@ struct CaptureContext {
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
   double first_stamp = 0.0, last_stamp = 0.0;  ///< [s]
   double first_temperature = 0.0;              ///< [degrees Celsius]
+  std::vector<std::string> other_columns;      ///< names of the samples' further columns
 };
 
 /// One sample with what effects need of it.
@@ -57,9 +59,11 @@ struct SampleContext {
   double elapsed(const std::string& driver, double reference) const;
 };
 
-/// The common part. @param table  for the first and last stamp and the first temperature.
+/// The common part. @param samples  for the first and last stamp and the first temperature. @param other_columns  names of their further
+/// columns.
 std::shared_ptr<const CaptureContext> makeCaptureContext(const Cell& cell, const Target& target, const Eigen::Vector3d& gravity,
-                                                         const std::vector<Sample>& samples);
+                                                         const std::vector<Sample>& samples,
+                                                         const std::vector<std::string>& other_columns = {});
 
 /// @param points  those of the sample whose pixels are wanted, in the order of the disturbance's points and pixels.
 SampleContext makeSampleContext(const std::shared_ptr<const CaptureContext>& capture, const Sample& sample, std::size_t number,

@@ -77,7 +77,8 @@ Matrix6Xd spaceJacobian(const Arm& arm, const ArmChain& chain);
 ///
 /// Revolute: two tilts about the anchor and two shifts across the axis; what is left out, turning about and sliding along the
 /// axis, changes nothing. Prismatic: two tilts. Columns: tilt a, tilt b, shift a, shift b, with (a, b, axis) right-handed;
-/// [rad], [rad], [m], [m] of the axis at the anchor.
+/// [rad], [rad], [m], [m] of the axis at the anchor. a is the part across the axis of the first of x, y, z that is 51 degrees or more from
+/// it, so that an axis which tilts a little takes a and b along.
 Matrix6Xd twistBasis(const Joint& joint);
 /// Number of columns of twistBasis: 4 or 2.
 int twistParameterCount(const Joint& joint);

@@ -1,0 +1,214 @@
+#include "effects/curve.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "effects/shapes.hpp"
+#include "poecal/core/error.hpp"
+
+namespace poecal {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<const char*, 6> kAxes = {"rx", "ry", "rz", "tx", "ty", "tz"};
+
+/// K of "q3" for the prefix "q"; nothing where the driver is no such word.
+std::optional<Eigen::Index> numberAfter(const std::string& driver, const std::string& prefix) {
+  if (!driver.starts_with(prefix)) return {};
+  Eigen::Index number = 0;
+  const char* end = driver.data() + driver.size();
+  const auto [rest, status] = std::from_chars(driver.data() + prefix.size(), end, number);
+  return status == std::errc() && rest == end && number > 0 ? std::optional(number) : std::nullopt;
+}
+
+std::string driverUnit(const std::string& driver) {
+  if (numberAfter(driver, "q")) return "rad";
+  if (numberAfter(driver, "tau")) return "N m";
+  if (driver == "stamp") return "s";
+  return driver == "temperature" ? "degC" : "";
+}
+
+std::vector<EffectParameter> range(const std::string& driver) {
+  return {{"low", driverUnit(driver), 0.0, ParameterRole::kFixed}, {"high", driverUnit(driver), 0.0, ParameterRole::kFixed}};
+}
+
+/// How many of "c1", "c2", ... are given, up to the last.
+int lastOf(const std::string& prefix, const std::map<std::string, double>& given) {
+  Eigen::Index last = 0;
+  for (const auto& [name, value] : given) last = std::max(last, numberAfter(name, prefix).value_or(0));
+  return static_cast<int>(last);
+}
+
+std::vector<EffectParameter> jointParameters(const std::string& driver, const std::map<std::string, double>& given) {
+  std::vector<EffectParameter> parameters = range(driver);
+  for (int j = 1; j <= lastOf("c", given); ++j) parameters.push_back({fmt::format("c{}", j), "rad", 1e-4});
+  return parameters;
+}
+
+std::vector<EffectParameter> mountParameters(const std::string& driver, const std::map<std::string, double>& given) {
+  int count = 0;
+  for (const char* axis : kAxes) count = std::max(count, lastOf(axis, given));
+  std::vector<EffectParameter> parameters = range(driver);
+  for (const std::string axis : kAxes) {
+    for (int j = 1; j <= count; ++j) parameters.push_back({fmt::format("{}{}", axis, j), axis.starts_with("r") ? "rad" : "m", 1e-4});
+  }
+  return parameters;
+}
+
+/// "u_1_0" of the wave with i = 1, j = 0.
+std::vector<EffectParameter> lensParameters(const std::string&, const std::map<std::string, double>& given) {
+  const auto count = [&given](int orders) {
+    const auto all = pixelOrders(orders);
+    return std::any_of(all.begin(), all.end(), [&](const auto& order) {
+      const std::string wave = fmt::format("_{}_{}", order.first, order.second);
+      return order.first + order.second == orders && (given.contains("u" + wave) || given.contains("v" + wave));
+    });
+  };
+  constexpr int kMostOrders = 20;
+  int orders = kMostOrders;
+  while (orders > 0 && !count(orders)) --orders;
+  std::vector<EffectParameter> parameters;
+  for (const auto& [i, j] : pixelOrders(orders)) {
+    for (const char* along : {"u", "v"}) parameters.push_back({fmt::format("{}_{}_{}", along, i, j), "px", 0.1});
+  }
+  return parameters;
+}
+
+/// Orders of so many pixel waves.
+int ordersOf(Eigen::Index waves) {
+  int orders = 0;
+  while (static_cast<Eigen::Index>(pixelOrders(orders).size()) < waves) ++orders;
+  return orders;
+}
+
+constexpr Eigen::Index kRange = 2;  // low, high stand first
+
+/// Wave `j` (from 0) of `count` at a sample.
+double waveAt(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context, Eigen::Index j, Eigen::Index count) {
+  return CurveRange{parameters(0), parameters(1)}.waves(driverValue(effect.driver(), context), count)(j);
+}
+
+void bendJoint(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters, const SampleContext& context, double amount,
+               Disturbance& disturbance) {
+  kinds::jointPort(effect, disturbance) += amount * waveAt(effect, parameters, context, i - kRange, parameters.size() - kRange);
+}
+
+template <Vector6d Disturbance::*port>
+void bendMount(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters, const SampleContext& context, double amount,
+               Disturbance& disturbance) {
+  const Eigen::Index count = (parameters.size() - kRange) / static_cast<Eigen::Index>(kAxes.size());
+  const Eigen::Index axis = (i - kRange) / count, j = (i - kRange) % count;
+  (disturbance.*port)(axis) += amount * waveAt(effect, parameters, context, j, count);
+}
+
+void bendLens(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
+              Disturbance& disturbance) {
+  const int orders = ordersOf(effect.start().size() / 2);
+  for (std::size_t point = 0; point < context.points.size(); ++point) {
+    const Eigen::Vector2d px = context.points[point].px;
+    if (px.allFinite()) disturbance.pixels[point](i % 2) += amount * pixelWaves(px, *context.capture->cell.camera, orders)(i / 2);
+  }
+}
+
+EffectKind unknown(PlaceKind place, EffectKind::AddDerivative add_derivative, EffectKind::ParametersOf parameters_of) {
+  EffectKind kind;
+  kind.name = "unknown";
+  kind.place = place;
+  kind.needs = {place == PlaceKind::kCameraLens ? Need::kCamera : Need::kJoints};
+  kind.meaning = "structure that no listed effect explains";
+  kind.formula = "sum over j of c_j cos(pi j x), x = (driver - low) / (high - low) held within 0 .. 1";
+  kind.add_derivative = add_derivative;
+  kind.parameters_of = parameters_of;
+  kind.moves_points = place == PlaceKind::kCameraLens;
+  return kind;
+}
+
+}  // namespace
+
+double driverValue(const std::string& driver, const SampleContext& context) {
+  const Sample& sample = context.sample;
+  const auto entry = [](const Eigen::VectorXd& values, Eigen::Index number) { return number <= values.size() ? values(number - 1) : kNaN; };
+  if (const auto joint = numberAfter(driver, "q")) return entry(sample.q, *joint);
+  if (const auto joint = numberAfter(driver, "tau")) return entry(context.torque, *joint);
+  if (driver == "stamp") return sample.stamp.value_or(kNaN);
+  if (driver == "temperature") return sample.temperature.value_or(kNaN);
+  const std::vector<std::string>& others = context.capture->other_columns;
+  const auto column = static_cast<std::size_t>(std::find(others.begin(), others.end(), driver) - others.begin());
+  return column < sample.other.size() ? sample.other[column] : kNaN;
+}
+
+Eigen::RowVectorXd CurveRange::waves(double value, Eigen::Index count) const {
+  Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(count);
+  if (std::isnan(value)) return all;
+  const double first = std::cos(M_PI * std::clamp((value - low) / (high - low), 0.0, 1.0));
+  // Chebyshev's recurrence: cos((j + 1) t) = 2 cos t cos(j t) - cos((j - 1) t).
+  double before = 1.0, now = first;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    all(j) = now;
+    before = std::exchange(now, 2.0 * first * now - before);
+  }
+  return all;
+}
+
+std::vector<std::pair<int, int>> pixelOrders(int orders) {
+  std::vector<std::pair<int, int>> all;
+  for (int i = 0; i <= orders; ++i) {
+    for (int j = 0; i + j <= orders; ++j) {
+      if (i + j > 0) all.emplace_back(i, j);
+    }
+  }
+  return all;
+}
+
+Eigen::RowVectorXd pixelWaves(const Eigen::Vector2d& px, const Camera& camera, int orders) {
+  const std::vector<std::pair<int, int>> all = pixelOrders(orders);
+  Eigen::RowVectorXd waves(static_cast<Eigen::Index>(all.size()));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    waves(static_cast<Eigen::Index>(k)) =
+        std::cos(M_PI * all[k].first * px.x() / camera.width) * std::cos(M_PI * all[k].second * px.y() / camera.height);
+  }
+  return waves;
+}
+
+AppliedEffect makeCurve(const std::string& location, const std::string& driver, const CurveRange& range, const Eigen::VectorXd& factors,
+                        const Cell& cell) {
+  EffectSpec spec{.effect = "unknown", .location = location, .parameters = {}, .driver = driver};
+  const bool lens = location == placeName(PlaceKind::kCameraLens);
+  const auto name = [&](Eigen::Index k) {
+    if (lens) {
+      const auto [i, j] = pixelOrders(ordersOf(factors.size() / 2))[static_cast<std::size_t>(k / 2)];
+      return fmt::format("{}_{}_{}", k % 2 == 0 ? "u" : "v", i, j);
+    }
+    if (location.starts_with(placeName(PlaceKind::kJoint))) return fmt::format("c{}", k + 1);
+    const Eigen::Index count = factors.size() / static_cast<Eigen::Index>(kAxes.size());
+    return fmt::format("{}{}", kAxes[static_cast<std::size_t>(k / count)], k % count + 1);
+  };
+  for (Eigen::Index k = 0; k < factors.size(); ++k) spec.parameters[name(k)] = factors(k);
+  if (!lens) {
+    spec.parameters["low"] = range.low;
+    spec.parameters["high"] = range.high;
+  }
+  return makeEffect(spec, cell);
+}
+
+namespace kinds {
+
+const EffectKind* unknownAt(const std::string& location) {
+  static const std::array<EffectKind, 4> all = {unknown(PlaceKind::kJoint, bendJoint, jointParameters),
+                                                unknown(PlaceKind::kCameraMount, bendMount<&Disturbance::mount>, mountParameters),
+                                                unknown(PlaceKind::kTargetMount, bendMount<&Disturbance::grip>, mountParameters),
+                                                unknown(PlaceKind::kCameraLens, bendLens, lensParameters)};
+  const auto kind =
+      std::find_if(all.begin(), all.end(), [&location](const EffectKind& k) { return location.starts_with(placeName(k.place)); });
+  return kind == all.end() ? nullptr : &*kind;
+}
+
+}  // namespace kinds
+}  // namespace poecal

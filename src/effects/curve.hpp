@@ -1,0 +1,47 @@
+// What no listed effect explains, as a smooth curve of what drives it: the waves that such a curve is a sum of, and the effect `unknown`
+// that a model holds it as.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "poecal/effects/catalogue.hpp"
+
+namespace poecal {
+
+/// Value of a driver in one sample: "q3" [rad, m], "tau2" [N m], "stamp" [s], "temperature" [degC], or a further column of the samples by
+/// its name; NaN where the sample does not have it.
+double driverValue(const std::string& driver, const SampleContext& context);
+
+/// A curve of a driver between two of its values: sum over j = 1 .. count of c_j cos(pi j x), x = (value - low) / (high - low), which stays
+/// as it is at the ends beyond them.
+struct CurveRange {
+  double low = 0.0, high = 1.0;
+
+  /// The `count` cosines at a value of the driver; zero where that is NaN.
+  Eigen::RowVectorXd waves(double value, Eigen::Index count) const;
+};
+
+/// cos(pi i u / width) cos(pi j v / height) of a pixel, for i, j >= 0 and 1 <= i + j <= orders, by i and then j.
+Eigen::RowVectorXd pixelWaves(const Eigen::Vector2d& px, const Camera& camera, int orders);
+/// i and j of each.
+std::vector<std::pair<int, int>> pixelOrders(int orders);
+
+/// The effect `unknown`: a curve at a joint's reading, the camera's mount, the target's mount (each of their six numbers its own curve),
+/// or, driven by the pixel, at the lens (u and v each its own).
+/// @param factors  joint: c1, c2, ... [rad, m]; mounts: those of rx, then ry, rz, tx, ty, tz [rad, m]; lens: u and v of each pixel wave
+/// [px].
+/// @throws InvalidArgument: no such place.
+AppliedEffect makeCurve(const std::string& location, const std::string& driver, const CurveRange& range, const Eigen::VectorXd& factors,
+                        const Cell& cell);
+
+namespace kinds {
+
+/// The kind `unknown` at the place that a location names, nullptr where it cannot be there. It stands in no table of candidates.
+const EffectKind* unknownAt(const std::string& location);
+
+}  // namespace kinds
+}  // namespace poecal

@@ -1,0 +1,119 @@
+#include "effects/curve.hpp"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "effects/rich_cell.hpp"
+#include "poecal/core/error.hpp"
+#include "support/matchers.hpp"
+
+namespace poecal {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kRounding = 1e-12;
+constexpr CurveRange kRange{-0.5, 1.5};
+
+TEST(Curve, WavesAreCosinesThatStayAsTheyAreBeyondTheRange) {
+  constexpr int kCount = 40;
+  for (const double value : {-0.5, -0.31, 0.2, 1.0, 1.5}) {
+    const Eigen::RowVectorXd waves = kRange.waves(value, kCount);
+    for (int j = 1; j <= kCount; ++j) EXPECT_NEAR(waves(j - 1), std::cos(M_PI * j * (value + 0.5) / 2.0), kRounding) << value << " " << j;
+  }
+  EXPECT_EQ(kRange.waves(-7.0, kCount), kRange.waves(-0.5, kCount));
+  EXPECT_EQ(kRange.waves(9.0, kCount), kRange.waves(1.5, kCount));
+  EXPECT_TRUE(kRange.waves(std::nan(""), kCount).isZero(0.0));
+}
+
+class CurveAt : public ::testing::Test {
+ protected:
+  Disturbance of(const std::string& location, const std::string& driver, const Eigen::VectorXd& factors) const {
+    const AppliedEffect curve = makeCurve(location, driver, kRange, factors, rich_.cell);
+    return disturbanceOf({curve}, context_);
+  }
+
+  Rng rng_ = test::rngOfThisTest();
+  test::RichCell rich_ = test::richCell(rng_);
+  SampleContext context_ = rich_.context(1);
+};
+
+TEST_F(CurveAt, AJointIsTheSumOfItsWaves) {
+  const Eigen::VectorXd factors = test::uniformVector(rng_, 5, 1e-3);
+  const double q3 = context_.sample.q(2), tau2 = context_.torque(1);
+  EXPECT_NEAR(of("joint:5", "q3", factors).joints(4), kRange.waves(q3, 5) * factors, kRounding);
+  EXPECT_NEAR(of("joint:5", "tau2", factors).joints(4), kRange.waves(tau2, 5) * factors, kRounding);
+  EXPECT_EQ(of("joint:5", "q3", factors).joints(3), 0.0);
+}
+
+TEST_F(CurveAt, AMountHasACurveForEachOfItsSixNumbers) {
+  context_.sample.temperature = 0.7;
+  const Eigen::VectorXd factors = test::uniformVector(rng_, 12, 1e-3);
+  Vector6d expected;
+  for (int axis = 0; axis < 6; ++axis) expected(axis) = kRange.waves(0.7, 2) * factors.segment<2>(2 * axis);
+  EXPECT_THAT(of("camera.mount", "temperature", factors).mount, test::IsNear(expected, kRounding));
+  EXPECT_THAT(of("target.mount", "temperature", factors).grip, test::IsNear(expected, kRounding));
+}
+
+TEST_F(CurveAt, TheLensMovesPixelsByWhereTheyAre) {
+  const Eigen::VectorXd factors = test::uniformVector(rng_, 2 * static_cast<int>(pixelOrders(3).size()), 0.5);
+  const Disturbance disturbance = of("camera.lens", "pixel", factors);
+  for (std::size_t point = 0; point < context_.points.size(); ++point) {
+    const Eigen::Vector2d px = context_.points[point].px;
+    Eigen::Vector2d expected = Eigen::Vector2d::Zero();
+    Eigen::Index next = 0;
+    for (const auto& [i, j] : pixelOrders(3)) {
+      const double wave = std::cos(M_PI * i * px.x() / 1280.0) * std::cos(M_PI * j * px.y() / 1024.0);
+      expected += wave * factors.segment<2>(next);
+      next += 2;
+    }
+    EXPECT_THAT(disturbance.pixels[point], test::IsNear(expected, kRounding));
+  }
+}
+
+TEST_F(CurveAt, AFurtherColumnIsFoundByItsName) {
+  std::vector<Sample> samples = rich_.samples;
+  for (Sample& sample : samples) sample.other = {7.0, 0.25};
+  const Eigen::VectorXd factors = test::uniformVector(rng_, 3, 1e-3);
+  const AppliedEffect curve = makeCurve("joint:1", "load", kRange, factors, rich_.cell);
+  const auto disturbances = [&](const std::vector<std::string>& columns) {
+    return disturbancesOf({curve}, rich_.cell, rich_.target, rich_.capture->gravity, samples, false, columns);
+  };
+  EXPECT_NEAR(disturbances({"fan", "load"})[2].joints(0), kRange.waves(0.25, 3) * factors, kRounding);
+  try {
+    disturbances({"fan", "heater"});
+    FAIL() << "a curve over a column that is not there";
+  } catch (const InsufficientData& error) {
+    EXPECT_THAT(error.what(), HasSubstr("unknown at joint:1 cannot be reckoned: sample 1 has no load"));
+  }
+}
+
+TEST_F(CurveAt, ItsSpecMakesItAgain) {
+  for (const auto& [location, driver, count] :
+       {std::tuple("joint:2", "q2", 14), {"camera.mount", "stamp", 84}, {"target.mount", "stamp", 6}, {"camera.lens", "pixel", 54}}) {
+    const AppliedEffect curve = makeCurve(location, driver, kRange, test::uniformVector(rng_, count, 1e-3), rich_.cell);
+    const AppliedEffect again = makeEffect(curve.effect.spec(curve.parameters), rich_.cell);
+    EXPECT_EQ(again.parameters, curve.parameters) << location;
+  }
+}
+
+TEST_F(CurveAt, PlacesAndDriversThatCannotBeAreErrors) {
+  const auto error_of = [this](const EffectSpec& spec) -> std::string {
+    try {
+      makeEffect(spec, rich_.cell);
+    } catch (const InvalidArgument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error_of({.effect = "unknown", .location = "base", .parameters = {}, .driver = "q1"}),
+            "unknown cannot be at 'base', expected joint:K, camera.mount, target.mount or camera.lens");
+  EXPECT_EQ(error_of({.effect = "unknown", .location = "joint:2", .parameters = {{"low", 0.0}, {"high", 1.0}}}),
+            "unknown needs its driver");
+  EXPECT_EQ(error_of({.effect = "unknown", .location = "joint:2", .parameters = {{"low", 0.0}, {"c1", 1.0}}, .driver = "q2"}),
+            "unknown needs its parameter 'high'");
+}
+
+}  // namespace
+}  // namespace poecal
