@@ -5,6 +5,7 @@
 #include "poecal/core/text.hpp"
 #include "poecal/detection/board_pictures.hpp"
 #include "poecal/detection/known_corners.hpp"
+#include "poecal/target/target.hpp"
 
 namespace poecal::app {
 namespace {
@@ -24,6 +25,9 @@ std::string residualsCsv(const IntrinsicsResult& result) {
   return csv.str();
 }
 
+/// Whether corners depend on the lens that they are found with: those of tags do, whose bent edges are fitted as a whole.
+bool isFittedThroughTheLens(const Target& target) { return target.type == TargetType::kAprilTag || target.type == TargetType::kAprilGrid; }
+
 }  // namespace
 
 std::filesystem::path residualsFile(const std::filesystem::path& camera_file) {
@@ -35,10 +39,15 @@ IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const
   DetectOptions detect_options;
   detect_options.jobs = common.jobs;
   KnownCorners known(camera_file.parent_path() / ".stages" / "board-corners");
-  const BoardPictures pictures = readBoardPictures(folder, detect_options, &known);
+  BoardPictures pictures = readBoardPictures(folder, detect_options, &known);
+  IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
+  if (isFittedThroughTheLens(readTarget(folder / "target.yaml"))) {
+    detect_options.camera = result.chosen().camera;
+    pictures = readBoardPictures(folder, detect_options, &known);
+    result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
+  }
   known.finish();
   warnAll(describe(pictures.notes));
-  IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
   warnAll(result.warnings);
   writeTextFile(residualsFile(camera_file), residualsCsv(result));
   writeTextFile(camera_file, cameraYaml(result.chosen().camera));

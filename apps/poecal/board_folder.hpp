@@ -9,6 +9,8 @@
 namespace poecal::app {
 
 /// Finds the board of FOLDER/target.yaml in each picture of FOLDER, calibrates, and writes `camera_file` and residualsFile(camera_file).
+/// Tags are fitted once more with the lens that was found, and the lens is found again from those: bent edges taken as straight ones put a
+/// tag's corners off by more than the noise does.
 /// Notes and warnings go to stderr. @throws FileError, InsufficientData as the readers, the detector and calibrateIntrinsics do.
 IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const IntrinsicsOptions& options, const Common& common,
                                       const std::filesystem::path& camera_file);

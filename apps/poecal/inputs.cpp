@@ -48,6 +48,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
   requireTarget(capture, result);
   const std::filesystem::path file = out / "detections.csv";
   writeWhereNew(file, detectionsCsv(result.detections));
+  writeWhereNew(picturesFile(file), picturesCsv(result.detections));
   return readDetections(file, capture.target, reference);
 }
 

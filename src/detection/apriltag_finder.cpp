@@ -36,7 +36,8 @@ class AprilTagFinder : public CornerFinder {
     }
     Finding finding = choose(tags);
     if (grid_) settleGridCorners(*grid_, grey, finding.corners);
-    if (refiner_) refine(grey, finding.corners);
+    if (refiner_) finding.look = refine(grey, finding.corners);
+    if (refiner_ && grid_ && !finding.look) dropLoneTag(finding);
     return finding;
   }
 
@@ -69,8 +70,9 @@ class AprilTagFinder : public CornerFinder {
     return finding;
   }
 
-  /// Fits the tags that have all four corners to the picture; others stay as they are.
-  void refine(const cv::Mat& grey, std::vector<Corner>& corners) {
+  /// Fits the tags that have all four corners to the picture; others stay as they are. @return what the fits say of the picture.
+  std::optional<PictureLook> refine(const cv::Mat& grey, std::vector<Corner>& corners) {
+    std::vector<PictureLook> looks;
     for (std::size_t first = 0; first + 4 <= corners.size(); ++first) {
       const int id = corners[first].id.tag;
       if (corners[first].id.corner != 0 || corners[first + 3].id != PointId{id, 3}) continue;
@@ -80,7 +82,16 @@ class AprilTagFinder : public CornerFinder {
       if (!fit) continue;
       const Eigen::Vector4d sigmas = fit->sigmas();
       for (int k = 0; k < 4; ++k) corners[first + static_cast<std::size_t>(k)] = {{id, k}, fit->px.col(k), sigmas(k)};
+      looks.push_back(fit->look());
     }
+    return medianLook(looks);
+  }
+
+  /// Kalibr's black squares draw the corners of tags away by pixels; where only one is in view, its fit alone could have told.
+  static void dropLoneTag(Finding& finding) {
+    if (finding.corners.size() != 4) return;
+    finding.notes.push_back(fmt::format("tag {} stands alone and does not fit the picture", finding.corners.front().id.tag));
+    finding.corners.clear();
   }
 
   std::string family_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace poecal {
 /// Corners of one picture, sorted by id, and what there is to say about it.
 struct Finding {
   std::vector<Corner> corners;
-  std::vector<std::string> notes;  ///< one sentence each; there is one where `corners` is empty
+  std::vector<std::string> notes;                  ///< one sentence each; there is one where `corners` is empty
+  std::optional<PictureLook> look = std::nullopt;  ///< where a tag was fitted to the picture
 };
 
 /// Holds whatever can be reused from picture to picture. One object serves one thread at a time.

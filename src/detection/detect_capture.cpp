@@ -18,6 +18,8 @@ void addReference(DetectResult& result, DetectResult reference) {
     std::vector<Corner>& corners = result.detections.images[k].corners;
     const std::vector<Corner>& more = reference.detections.images[k].corners;
     corners.insert(corners.end(), more.begin(), more.end());
+    std::optional<PictureLook>& look = result.detections.images[k].look;
+    if (!look) look = reference.detections.images[k].look;
     std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
   }
   std::set<std::pair<std::string, std::string>> said;

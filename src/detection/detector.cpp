@@ -78,7 +78,7 @@ PictureFinding search(const PictureFile& file, FinderPool& finders) {
   const Picture picture = decodePicture(file);
   if (picture.grey.empty()) return unreadable(picture.problem);
   Finding found = finders.find(picture.grey);
-  return {std::move(found.corners), std::move(found.notes), picture.grey.cols, picture.grey.rows};
+  return {std::move(found.corners), std::move(found.notes), picture.grey.cols, picture.grey.rows, found.look};
 }
 
 /// search(), where it was not done before.
@@ -143,7 +143,7 @@ DetectResult detect(const std::filesystem::path& folder, const std::vector<std::
     }
     any_corners = any_corners || !finding.corners.empty();
     for (std::string& message : finding.notes) result.notes.push_back({images[k], std::move(message), finding.corners.empty()});
-    result.detections.images.push_back({images[k], std::move(finding.corners)});
+    result.detections.images.push_back({images[k], std::move(finding.corners), finding.look});
   }
   if (!any_corners && isTagTarget(target)) {
     if (const auto image = findMirrored(folder, readable, target.family)) {

@@ -35,7 +35,9 @@ std::string lineOf(const std::string& key, const PictureFinding& finding) {
   for (const Corner& corner : finding.corners) {
     corners.push_back({corner.id.tag, corner.id.corner, corner.px.x(), corner.px.y(), corner.sigma});  // NaN becomes null
   }
-  const Json content{{"size", {finding.width, finding.height}}, {"corners", std::move(corners)}, {"notes", finding.notes}};
+  Json look;
+  if (finding.look) look = {finding.look->blur, finding.look->noise, finding.look->growth};
+  const Json content{{"size", {finding.width, finding.height}}, {"corners", std::move(corners)}, {"notes", finding.notes}, {"look", look}};
   const std::string text = content.dump();
   return fmt::format("{} {} {}\n", key, checksumOf(key + text), text);
 }
@@ -45,7 +47,7 @@ struct KnownLine {
   PictureFinding finding;
 };
 
-/// Nothing where the line is not whole.
+/// Nothing where the line is not whole, or of a version that did not look at pictures so closely.
 std::optional<KnownLine> parseLine(std::string_view line) {
   constexpr std::size_t kBegin = 2 * kKeyLength + 2;
   if (line.size() <= kBegin || line[kKeyLength] != ' ' || line[kBegin - 1] != ' ') return std::nullopt;
@@ -53,6 +55,7 @@ std::optional<KnownLine> parseLine(std::string_view line) {
   const std::string text(line.substr(kBegin));
   if (line.substr(kKeyLength + 1, kKeyLength) != checksumOf(key + text)) return std::nullopt;
   const Json content = Json::parse(text);
+  if (!content.contains("look")) return std::nullopt;
   PictureFinding finding;
   finding.width = content["size"][0].get<int>();
   finding.height = content["size"][1].get<int>();
@@ -64,6 +67,9 @@ std::optional<KnownLine> parseLine(std::string_view line) {
     finding.corners.push_back(corner);
   }
   for (const Json& note : content["notes"]) finding.notes.push_back(note.get<std::string>());
+  if (const Json& look = content["look"]; !look.is_null()) {
+    finding.look = PictureLook{look[0].get<double>(), look[1].get<double>(), look[2].get<double>()};
+  }
   return KnownLine{key, std::move(finding)};
 }
 

@@ -23,7 +23,8 @@ Eigen::Matrix<double, LensPatch::kTerms, 1> LensPatch::terms(const Eigen::Vector
 std::optional<LensPatch> LensPatch::of(const Camera& camera, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   constexpr int kGrid = 8;  // points a side; six would determine the polynomial
   constexpr double kSmallestZ = 0.17;
-  constexpr double kTolerance = 0.2;  // [px]
+  constexpr double kTolerance = 0.2;    // [px]
+  constexpr double kNegligible = 1e-6;  // [px]; a thousandth of what the best picture leaves
   LensPatch patch;
   patch.centre_ = 0.5 * (low + high);
   patch.scale_ = 0.5 * (high - low).maxCoeff();
@@ -42,7 +43,9 @@ std::optional<LensPatch> LensPatch::of(const Camera& camera, const Eigen::Vector
     displacements.row(k) = (Eigen::Vector2d(camera.fx * m.x() + camera.cx, camera.fy * m.y() + camera.cy) - px).transpose();
   }
   patch.coefficients_ = A.householderQr().solve(displacements).transpose();
-  if (!((A * patch.coefficients_.transpose() - displacements).cwiseAbs().maxCoeff() < kTolerance)) return std::nullopt;
+  const double left = (A * patch.coefficients_.transpose() - displacements).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+  if (!(left < kTolerance)) return std::nullopt;
+  patch.needs_newton_ = left > kNegligible;
   return patch;
 }
 
@@ -81,14 +84,10 @@ LensPatch::Straight LensPatch::Row::straighten(double x) const {
   return straight;
 }
 
-LensPatch::Straight LensPatch::straightenExactly(const Eigen::Vector2d& px) const {
-  Straight straight = straighten(px);
-  straight.px = exactly(px, straight);
+LensPatch::Straight LensPatch::Row::straightenExactly(double x) const {
+  Straight straight = straighten(x);
+  if (patch_->needs_newton_) straight.px += straight.J_straight_px * (Eigen::Vector2d(x, y_) - patch_->bend(straight.px));
   return straight;
-}
-
-Eigen::Vector2d LensPatch::exactly(const Eigen::Vector2d& px, const Straight& straight) const {
-  return camera_ ? straight.px + straight.J_straight_px * (px - bend(straight.px)) : straight.px;
 }
 
 Eigen::Vector2d LensPatch::bend(const Eigen::Vector2d& px_straight) const {

@@ -27,10 +27,20 @@ class LensPatch {
   /// By the polynomial alone: within 0.2 px, mostly 1e-3.
   Straight straighten(const Eigen::Vector2d& px) const { return row(px.y()).straighten(px.x()); }
 
-  /// straighten() along one row of pixels, where d is a polynomial in x alone: a quarter of the time.
+  /// Along one row of pixels, where d is a polynomial in x alone: a quarter of the time.
   class Row {
    public:
+    /// straighten() without its derivative: a third of the time again.
+    Eigen::Vector2d straightPixel(double x) const {
+      Eigen::Vector2d px(x, y_);
+      if (!patch_->camera_) return px;
+      const double a = (x - patch_->centre_.x()) / patch_->scale_;
+      Eigen::Vector2d value = values_.col(kDegree);
+      for (Eigen::Index i = kDegree - 1; i >= 0; --i) value = value * a + values_.col(i);
+      return px + value;
+    }
     Straight straighten(double x) const;
+    Straight straightenExactly(double x) const;
 
    private:
     friend class LensPatch;
@@ -41,9 +51,7 @@ class LensPatch {
   };
   Row row(double y) const;
   /// Within 3e-3 px of the camera's inverse at the rim of a lens that the polynomial hardly follows, else far better.
-  Straight straightenExactly(const Eigen::Vector2d& px) const;
-  /// The same pixel from what straighten() gave for it.
-  Eigen::Vector2d exactly(const Eigen::Vector2d& px, const Straight& straight) const;
+  Straight straightenExactly(const Eigen::Vector2d& px) const { return row(px.y()).straightenExactly(px.x()); }
   /// The pixel whose straight one is `px_straight`, as the camera projects; not a number where it does not.
   Eigen::Vector2d bend(const Eigen::Vector2d& px_straight) const;
 
@@ -53,6 +61,7 @@ class LensPatch {
   Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();
   double scale_ = 1.0;  ///< [px]
   std::optional<Camera> camera_;
+  bool needs_newton_ = false;  ///< the polynomial alone is not as good as anybody could wish
   /// Of x^i y^j, i + j <= kDegree, j running faster.
   Eigen::Matrix<double, 2, kTerms> coefficients_ = Eigen::Matrix<double, 2, kTerms>::Zero();
 

@@ -13,23 +13,15 @@ constexpr std::size_t kMaxLines = 9;  // within reach either way, for cells of n
 
 /// A blurred step at its distance from the pixel.
 struct Step {
-  double a = 0.0;         ///< [blurs]
-  double cdf = 0.0;       ///< S(a)
-  double pdf = 0.0;       ///< S'(a)
-  double gaussian = 0.0;  ///< phi(a)
-  double by_kurtosis = 0.0;
+  double a;         ///< [blurs]
+  double cdf;       ///< S(a)
+  double pdf;       ///< S'(a)
+  double gaussian;  ///< phi(a)
+  double by_kurtosis;
 };
 
-/// The lines of one direction within reach. Each stands at two places, where growth moves it back and where it moves it on.
-struct Lines {
-  int first = 0;
-  std::size_t count = 0;
-  std::array<std::array<Step, 2>, kMaxLines> steps;
-
-  const Step& at(std::size_t k, int shift) const { return steps[k][shift > 0 ? 1 : 0]; }
-};
-
-/// The normal distribution between tabulated points, by cubics that meet in value and slope: to 3e-10 in value and 1e-6 in slope, a tenth of erfc's time.
+/// The normal distribution between tabulated points, by cubics that meet in value and slope: to 3e-10 in value and 1e-6 in slope, a tenth
+/// of erfc's time.
 class NormalTable {
  public:
   NormalTable() {
@@ -71,30 +63,45 @@ Step stepAt(double a, double kurtosis) {
   return {a, normal.cdf + kurtosis * by_kurtosis, normal.pdf * (1.0 + kurtosis / 24.0 * (a2 * (a2 - 6.0) + 3.0)), normal.pdf, by_kurtosis};
 }
 
-/// floor() within a few tags' widths, without a call into the mathematical library; elsewhere a cell that is outside of any tag.
-int cellAt(double coordinate) {
-  constexpr int kFar = 64;
-  return std::abs(coordinate) < kFar ? static_cast<int>(coordinate + kFar) - kFar : kFar;
-}
-
-Lines linesWithinReach(double coordinate, double slope, const PointSpread& spread, double growth) {
-  const double reach = kReach * spread.blur * slope;
-  Lines lines;
-  lines.first = cellAt(coordinate - reach) + 1;
-  const int last = cellAt(coordinate + reach);
-  lines.count = std::min(kMaxLines, static_cast<std::size_t>(std::max(0, last - lines.first + 1)));
-  const double per_cell = 1.0 / (slope * spread.blur), shift = growth / spread.blur;
-  for (std::size_t k = 0; k < lines.count; ++k) {
-    const double distance = (coordinate - lines.first - static_cast<double>(k)) * per_cell;
-    lines.steps[k] = {stepAt(distance + shift, spread.kurtosis), stepAt(distance - shift, spread.kurtosis)};
+/// The lines of one direction within reach. Each stands at two places, where growth moves it back and where it moves it on; most steps
+/// are never asked for, so that they are worked out when they are.
+class Lines {
+ public:
+  /// @param slope, width  of the view, along this direction. @param per_blur  1 / blur.
+  Lines(double coordinate, double slope, double width, const PointSpread& spread, double per_blur, double growth)
+      : per_cell_(width * per_blur), shift_(growth * per_blur), kurtosis_(spread.kurtosis) {
+    const double reach = kReach * spread.blur * slope;
+    first_ = cellAt(coordinate - reach) + 1;
+    const int last = cellAt(coordinate + reach);
+    count_ = std::min(kMaxLines, static_cast<std::size_t>(std::max(0, last - first_ + 1)));
+    beyond_first_ = coordinate - first_;
   }
-  return lines;
-}
 
-/// The sum so far, its derivatives by the normalised distances a and b.
+  int first() const { return first_; }
+  std::size_t count() const { return count_; }
+  const Step& at(std::size_t k, int shift) {
+    const std::size_t place = 2 * k + (shift > 0 ? 1 : 0);
+    const unsigned bit = 1U << place;
+    if ((known_ & bit) == 0) {
+      const double distance = (beyond_first_ - static_cast<double>(k)) * per_cell_;
+      steps_[place] = stepAt(shift > 0 ? distance - shift_ : distance + shift_, kurtosis_);
+      known_ |= bit;
+    }
+    return steps_[place];
+  }
+
+ private:
+  double per_cell_, shift_, kurtosis_, beyond_first_ = 0.0;
+  int first_ = 0;
+  std::size_t count_ = 0;
+  unsigned known_ = 0;                     ///< a bit for each of steps_ that is worked out
+  std::array<Step, 2 * kMaxLines> steps_;  ///< the others hold nothing: to clear them would take longer than all the rest
+};
+
+/// The sum so far, its derivatives by lengths in blurs until it is finished.
 class Sum {
  public:
-  Sum(double start, double blur) : blur_(blur) { whiteness_.value = start; }
+  explicit Sum(double start) { whiteness_.value = start; }
 
   void addAlongU(int weight, const Step& step) {
     addStep(weight, step);
@@ -121,9 +128,11 @@ class Sum {
     derive(turn.weight * (u.pdf * v.cdf + by_a), u.a, turn.shift_u, turn.weight * (u.cdf * v.pdf + by_b), v.a, turn.shift_v);
   }
 
-  Whiteness finish(const Eigen::Vector2d& slope) {
-    whiteness_.J_value_uv(0) /= slope.x();
-    whiteness_.J_value_uv(1) /= slope.y();
+  Whiteness finish(const Eigen::Vector2d& width, double per_blur) {
+    whiteness_.J_value_uv(0) *= per_blur * width.x();
+    whiteness_.J_value_uv(1) *= per_blur * width.y();
+    whiteness_.J_value_blur *= per_blur;
+    whiteness_.J_value_growth *= per_blur;
     return whiteness_;
   }
 
@@ -133,56 +142,52 @@ class Sum {
     whiteness_.J_value_kurtosis += weight * step.by_kurtosis;
   }
   void derive(double by_a, double a, int shift_u, double by_b, double b, int shift_v) {
-    whiteness_.J_value_uv(0) += by_a / blur_;
-    whiteness_.J_value_uv(1) += by_b / blur_;
-    whiteness_.J_value_blur -= (by_a * a + by_b * b) / blur_;
-    whiteness_.J_value_growth -= (by_a * shift_u + by_b * shift_v) / blur_;
+    whiteness_.J_value_uv(0) += by_a;
+    whiteness_.J_value_uv(1) += by_b;
+    whiteness_.J_value_blur -= by_a * a + by_b * b;
+    whiteness_.J_value_growth -= by_a * shift_u + by_b * shift_v;
   }
 
-  double blur_;
   Whiteness whiteness_;
 };
 
 }  // namespace
 
 TagView::TagView(const Eigen::Vector2d& coordinates, const Eigen::Matrix2d& J_uv_px)
-    : uv(coordinates), slope(J_uv_px.rowwise().norm()), cosine(J_uv_px.row(0).dot(J_uv_px.row(1)) / slope.prod()) {}
+    : uv(coordinates),
+      slope(J_uv_px.rowwise().norm()),
+      width(slope.cwiseInverse()),
+      cosine(J_uv_px.row(0).dot(J_uv_px.row(1)) * width.prod()) {}
 
 Whiteness whiteness(const TagPattern& pattern, const TagView& view, const PointSpread& spread, double growth) {
-  const Lines across_u = linesWithinReach(view.uv.x(), view.slope.x(), spread, growth);
-  const Lines across_v = linesWithinReach(view.uv.y(), view.slope.y(), spread, growth);
-  const int column = across_u.first, row = across_v.first;
-  Sum sum(pattern.white(column - 1, row - 1), spread.blur);
-  for (std::size_t i = 0; i < across_u.count; ++i) {
+  const double per_blur = 1.0 / spread.blur;
+  Lines across_u(view.uv.x(), view.slope.x(), view.width.x(), spread, per_blur, growth);
+  Lines across_v(view.uv.y(), view.slope.y(), view.width.y(), spread, per_blur, growth);
+  const int column = across_u.first(), row = across_v.first();
+  Sum sum(pattern.white(column - 1, row - 1));
+  for (std::size_t i = 0; i < across_u.count(); ++i) {
     const int k = column + static_cast<int>(i);
     const int step = pattern.white(k, row - 1) - pattern.white(k - 1, row - 1);
     if (step != 0) sum.addAlongU(step, across_u.at(i, step));
   }
-  for (std::size_t j = 0; j < across_v.count; ++j) {
+  for (std::size_t j = 0; j < across_v.count(); ++j) {
     const int k = row + static_cast<int>(j);
     const int step = pattern.white(column - 1, k) - pattern.white(column - 1, k - 1);
     if (step != 0) sum.addAlongV(step, across_v.at(j, step));
   }
-  for (std::size_t j = 0; j < across_v.count; ++j) {
-    for (std::size_t i = 0; i < across_u.count; ++i) {
+  for (std::size_t j = 0; j < across_v.count(); ++j) {
+    for (std::size_t i = 0; i < across_u.count(); ++i) {
       for (const Turn& turn : pattern.turns(column + static_cast<int>(i), row + static_cast<int>(j))) {
         if (turn.weight != 0) sum.addTurn(turn, across_u.at(i, turn.shift_u), across_v.at(j, turn.shift_v), view.cosine);
       }
     }
   }
-  return sum.finish(view.slope);
+  return sum.finish(view.width, per_blur);
 }
 
 Surroundings surroundings(const TagPattern& pattern, const TagView& view, double edge_reach, double unknown_reach) {
   const Eigen::Vector2d near = edge_reach * view.slope;
-  const int left = cellAt(view.uv.x() - near.x()), right = cellAt(view.uv.x() + near.x());
-  const int top = cellAt(view.uv.y() - near.y()), bottom = cellAt(view.uv.y() + near.y());
-  const int here = pattern.white(left, top);
-  bool alike = true;
-  for (int row = top; alike && row <= bottom; ++row) {
-    for (int column = left; alike && column <= right; ++column) alike = pattern.white(column, row) == here;
-  }
-  if (alike) return Surroundings::kFlat;
+  if (pattern.isUniform(view.uv - near, view.uv + near)) return Surroundings::kFlat;
   const Eigen::Vector2d far = unknown_reach * view.slope;
   for (const double v : {view.uv.y() - far.y(), view.uv.y() + far.y()}) {
     for (const double u : {view.uv.x() - far.x(), view.uv.x() + far.x()}) {

@@ -11,6 +11,7 @@ namespace poecal {
 struct TagView {
   Eigen::Vector2d uv = Eigen::Vector2d::Zero();     ///< [cells]
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< |d u / d px|, |d v / d px| [cells / px]
+  Eigen::Vector2d width = Eigen::Vector2d::Zero();  ///< of a cell, 1 / slope [px / cell]
   double cosine = 0.0;                              ///< of the angle between the two gradients; 0: the cells are rectangles in the picture
 
   /// @param J_uv_px  derivative of the cell coordinates by the pixel [cells / px].

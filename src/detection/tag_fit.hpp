@@ -7,12 +7,12 @@
 #include <opencv2/core/mat.hpp>
 
 #include "detection/lens_patch.hpp"
+#include "detection/plane_map.hpp"
 #include "detection/tag_appearance.hpp"
 #include "detection/tag_pattern.hpp"
+#include "poecal/capture/picture_look.hpp"
 
 namespace poecal {
-
-using TagCorners = Eigen::Matrix<double, 2, 4>;  ///< column k: corner k in the contract's order [px]
 
 struct TagFit {
   TagCorners px = TagCorners::Zero();
@@ -26,6 +26,8 @@ struct TagFit {
 
   /// Of each corner, rms of both axes [px].
   Eigen::Vector4d sigmas() const;
+  /// What the picture looks like about the tag: without the pixel's own square in the blur, without rounding in the noise.
+  PictureLook look() const;
 };
 
 /// Minimises over corners c, point spread s, growth h and light (b, k), by iteratively reweighted Gauss-Newton steps,

@@ -35,6 +35,18 @@ TagPattern::TagPattern(const std::string& family, int id, bool bare_corners) : b
       turns_.push_back(turnsOf(white(column - 1, row - 1), white(column, row - 1), white(column - 1, row), white(column, row)));
     }
   }
+  for (int row = 0; row < width_; ++row) {
+    for (int column = 0; column < width_; ++column) {
+      const Eigen::Vector2d middle(column + 0.5, row + 0.5);
+      unsigned uniform = 0;
+      for (unsigned sides = 0; sides < 16; ++sides) {
+        const Eigen::Vector2d low((sides & kLeft) != 0 ? -1.0 : 0.0, (sides & kAbove) != 0 ? -1.0 : 0.0);
+        const Eigen::Vector2d high((sides & kRight) != 0 ? 1.0 : 0.0, (sides & kBelow) != 0 ? 1.0 : 0.0);
+        uniform |= isUniform(middle + low, middle + high) ? 1U << sides : 0U;
+      }
+      uniform_.push_back(static_cast<std::uint16_t>(uniform));
+    }
+  }
   const double low = 0.5 * (width_ - bitmap.corner_width);
   const double high = low + bitmap.corner_width;
   corners_ << low, high, high, low,  //
@@ -47,15 +59,16 @@ bool TagPattern::isKnown(int column, int row) const {
   return bare_corners_ || !((column == 0 || column == last) && (row == 0 || row == last));
 }
 
-int TagPattern::white(int column, int row) const {
-  if (column < 0 || row < 0 || column >= width_ || row >= width_) return 1;
-  return white_[static_cast<std::size_t>(row * width_ + column)];
-}
-
-const std::array<Turn, 2>& TagPattern::turns(int column, int row) const {
-  static constexpr std::array<Turn, 2> kNone{};
-  if (column < 0 || row < 0 || column > width_ || row > width_) return kNone;
-  return turns_[static_cast<std::size_t>(row * (width_ + 1) + column)];
+bool TagPattern::isUniform(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
+  const int left = cellAt(low.x()), right = cellAt(high.x()), bottom = cellAt(high.y());
+  int row = cellAt(low.y());
+  const int here = white(left, row);
+  for (; row <= bottom; ++row) {
+    for (int column = left; column <= right; ++column) {
+      if (white(column, row) != here) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace poecal

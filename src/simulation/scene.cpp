@@ -100,18 +100,22 @@ void readSamplesPart(const YamlNode& root, Scene& scene) {
   if (const auto seed = samples->find("seed")) scene.seed = seedOf(*seed);
 }
 
-ImageOptions readImage(const YamlNode& node) {
-  node.checkKeys({"blur", "noise", "background"});
-  ImageOptions image;
-  if (const auto blur = node.find("blur")) image.blur = notNegative(*blur);
-  if (const auto noise = node.find("noise")) image.noise = notNegative(*noise);
+void readImage(const YamlNode& node, Scene& scene) {
+  node.checkKeys({"blur", "noise", "like", "background"});
+  ImageOptions& image = *scene.image;
+  const auto blur = node.find("blur"), noise = node.find("noise");
+  if (const auto like = node.find("like")) {
+    if (blur || noise) like->fail(fmt::format("stands beside {}, expected one of the two", blur ? "blur" : "noise"));
+    scene.looks = readPictureLooks(namedFile(*like));
+  }
+  if (blur) image.blur = notNegative(*blur);
+  if (noise) image.noise = notNegative(*noise);
   if (const auto background = node.find("background")) image.background = background->text();
   try {
     image.validate();
   } catch (const InvalidArgument& error) {
     node.fail(error.what());
   }
-  return image;
 }
 
 /// How the corners reach the capture: pictures (the default) or detections, and pictures of a board for the intrinsics.
@@ -123,7 +127,8 @@ void readOutput(const YamlNode& root, Scene& scene) {
     corners->checkKeys({"sigma"});
     scene.corner_sigma = notNegative((*corners)["sigma"]);
   } else {
-    scene.image = image ? readImage(*image) : ImageOptions{};
+    scene.image.emplace();
+    if (image) readImage(*image, scene);
     if (scene.target.type == TargetType::kPoints)
       root["target"].fail("single points cannot be drawn, expected tags, a board, or corners: {sigma: ...}");
   }
@@ -161,6 +166,15 @@ void ImageOptions::validate() const {
   if (background != "clutter" && background != "plain") {
     throw InvalidArgument(fmt::format("background '{}' is not known, expected clutter or plain", background));
   }
+}
+
+ImageOptions imageOptions(const Scene& scene, std::size_t index) {
+  ImageOptions options = *scene.image;
+  if (scene.looks.empty()) return options;
+  const PictureLook& look = scene.looks[index % scene.looks.size()];
+  options.blur = look.blur;
+  options.noise = look.noise;
+  return options;
 }
 
 Scene readScene(const std::filesystem::path& file) {

@@ -57,8 +57,8 @@ void writePictures(const Simulation& simulation, const std::filesystem::path& fo
     const Sample& sample = simulation.samples.samples[k];
     const Disturbance& disturbance = simulation.disturbances[k];
     writePicture(folder / sample.image,
-                 renderTarget(disturbedCamera(cell, disturbance), scene.target, disturbedTarget(cell, sample, disturbance), *scene.image,
-                              scene.seed, streamOf(Purpose::kPicture, k)));
+                 renderTarget(disturbedCamera(cell, disturbance), scene.target, disturbedTarget(cell, sample, disturbance),
+                              imageOptions(scene, k), scene.seed, streamOf(Purpose::kPicture, k)));
     progress.advance();
   });
 }
@@ -67,8 +67,8 @@ void writeBoardPictures(const Simulation& simulation, const std::filesystem::pat
   const Scene& scene = simulation.scene;
   Progress progress("intrinsics pictures", simulation.T_camera_board.size());
   parallelFor(simulation.T_camera_board.size(), jobs, [&](std::size_t k) {
-    writePicture(folder / boardPictureName(k), renderTarget(scene.camera, *scene.board, simulation.T_camera_board[k], *scene.image,
-                                                            scene.seed, streamOf(Purpose::kBoardPicture, k)));
+    writePicture(folder / boardPictureName(k), renderTarget(scene.camera, *scene.board, simulation.T_camera_board[k],
+                                                            imageOptions(scene, k), scene.seed, streamOf(Purpose::kBoardPicture, k)));
     progress.advance();
   });
   writeTextFile(folder / "target.yaml", targetYaml(*scene.board));
@@ -126,7 +126,9 @@ std::string truthYaml(const Scene& scene) {
   text += fmt::format("registration:\n  T_camera_{}: {}\n  T_{}_target: {}\n", registration.nearFrame(),
                       yamlPose(registration.T_camera_near), registration.farFrame(), yamlPose(registration.T_far_target));
   text += fmt::format("seed: {}\n", scene.seed) + effectsYaml(scene.effects);
-  if (scene.image) {
+  if (scene.image && !scene.looks.empty()) {
+    text += fmt::format("image: {{like: pictures.csv, background: {}}}\n", scene.image->background);
+  } else if (scene.image) {
     text += fmt::format("image: {{blur: {}, noise: {}, background: {}}}\n", formatNumber(scene.image->blur),
                         formatNumber(scene.image->noise), scene.image->background);
   } else {
@@ -158,6 +160,16 @@ Detections boardCorners(const Simulation& simulation) {
   return detections;
 }
 
+/// What each picture is drawn with.
+Detections drawnLooks(const Simulation& simulation) {
+  Detections looks{simulation.corners};
+  for (std::size_t k = 0; k < looks.images.size(); ++k) {
+    const ImageOptions options = imageOptions(simulation.scene, k);
+    looks.images[k].look = PictureLook{.blur = options.blur, .noise = options.noise, .growth = 0.0};
+  }
+  return looks;
+}
+
 void writeTruth(const Simulation& simulation, const std::filesystem::path& folder) {
   const Scene& scene = simulation.scene;
   writeTextFile(folder / "truth.yaml", truthYaml(scene));
@@ -166,6 +178,7 @@ void writeTruth(const Simulation& simulation, const std::filesystem::path& folde
   writeTextFile(folder / "target.yaml", targetYaml(scene.target));
   writeTextFile(folder / "corners.csv", detectionsCsv({simulation.corners}));
   writeTextFile(folder / "samples.csv", samplesCsv(trueSamples(simulation)));
+  if (!scene.looks.empty()) writeTextFile(folder / "pictures.csv", picturesCsv(drawnLooks(simulation)));
   if (scene.board) writeTextFile(folder / "intrinsics_corners.csv", detectionsCsv(boardCorners(simulation)));
 }
 

@@ -5,6 +5,7 @@
 #include "poecal/detection/detector.hpp"
 #include "poecal/geometry/se3.hpp"
 #include "poecal/simulation/renderer.hpp"
+#include "support/matchers.hpp"
 #include "support/random.hpp"
 #include "support/temp_folder.hpp"
 
@@ -53,6 +54,39 @@ TEST(AprilGrid, CornersOfKalibrsSheetAreFoundAsSaddles) {
   // A saddle in a window of some 7 px at a noise of 2 grey levels is good to 0.035 px, a whole tag fitted from there on to 0.01.
   EXPECT_LT(rms(errors), 0.02);
   EXPECT_LT(quantile(errors, 1.0), 0.1);
+}
+
+// A lone tag has no neighbours that would contradict corners that the squares have drawn away.
+TEST(AprilGrid, ALoneTagWhoseCornersAreOffIsLeftOut) {
+  constexpr double kTolerance = 0.1;  // [px]; a large tag fitted through its lens is good to 0.01, corners drawn away are off by pixels
+  Camera camera;
+  camera.width = 170;
+  camera.height = 170;
+  camera.fx = camera.fy = 700.0;
+  camera.cx = camera.cy = 84.5;
+  camera.distortion = Eigen::VectorXd::Zero(5);
+  const Target grid = aprilgridTarget("tag36h11", 6, 4, 0.05, 0.3, 0);
+  Rng rng = test::rngOfThisTest();
+  const test::TempFolder folder;
+  DetectOptions options;
+  options.camera = camera;
+  int found = 0, left_out = 0;
+  for (int k = 0; k < 30; ++k) {
+    Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
+    T_camera_target.linear() =
+        expSo3({M_PI + rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5), 0.0}) * expSo3({0.0, 0.0, rng.uniform(-3.0, 3.0)});
+    const Eigen::Vector3d middle = grid.tags[8].T_target_tag.translation();
+    T_camera_target.translation() = Eigen::Vector3d(0.0, 0.0, 0.4) - T_camera_target.linear() * middle;
+    cv::imwrite((folder.path() / "lone.png").string(), renderTarget(camera, grid, T_camera_target, {}, 5, static_cast<std::uint64_t>(k)));
+    const DetectResult result = detect(folder.path(), {"lone.png"}, grid, options);
+    for (const PictureNote& note : result.notes) left_out += note.message == "tag 8 stands alone and does not fit the picture";
+    for (const Corner& corner : result.detections.images.front().corners) {
+      EXPECT_THAT(corner.px, test::IsNear(*project(camera, T_camera_target * grid.find(corner.id)->p_target), kTolerance)) << k;
+      ++found;
+    }
+  }
+  EXPECT_GE(found, 4 * 5);
+  EXPECT_GE(left_out, 1);
 }
 
 }  // namespace

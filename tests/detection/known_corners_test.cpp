@@ -8,10 +8,11 @@
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "support/rendering.hpp"
+#include "poecal/core/content_key.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detector.hpp"
+#include "support/rendering.hpp"
 #include "support/temp_folder.hpp"
 
 namespace poecal {
@@ -43,6 +44,7 @@ PictureFinding awkward(int number) {
   finding.notes = {"a \"quoted\" note,\nin two lines", "tag " + std::to_string(number)};
   finding.width = 160;
   finding.height = 120 + number;
+  if (number != 1) finding.look = PictureLook{0.1 + number, 2.0 / 3.0, -1e-300};
   return finding;
 }
 
@@ -55,6 +57,12 @@ void expectSame(const PictureFinding& a, const PictureFinding& b) {
     EXPECT_EQ(bits(a.corners[k].px.x()), bits(b.corners[k].px.x()));
     EXPECT_EQ(bits(a.corners[k].px.y()), bits(b.corners[k].px.y()));
     EXPECT_EQ(bits(a.corners[k].sigma), bits(b.corners[k].sigma));
+  }
+  ASSERT_EQ(a.look.has_value(), b.look.has_value());
+  if (a.look) {
+    EXPECT_EQ(bits(a.look->blur), bits(b.look->blur));
+    EXPECT_EQ(bits(a.look->noise), bits(b.look->noise));
+    EXPECT_EQ(bits(a.look->growth), bits(b.look->growth));
   }
   EXPECT_EQ(a.notes, b.notes);
   EXPECT_EQ(a.width, b.width);
@@ -120,6 +128,14 @@ TEST_F(KnownCornersFile, ASpoiltByteIsNeverAWrongFinding) {
     ASSERT_GE(countKnown(), kEntries - lost) << "at " << at;
     ASSERT_LT(countKnown(), kEntries) << "at " << at;
   }
+}
+
+TEST_F(KnownCornersFile, ALineWithoutALookIsOfAnEarlierVersionAndCountsForNothing) {
+  const std::string content = R"({"size":[160,120],"corners":[],"notes":["no tag"]})";
+  const std::string earlier = keyOf(9) + " " + ContentKey().add(keyOf(9) + content).text() + " " + content + "\n";
+  writeTextFile(file_, readTextFile(file_) + earlier);
+  EXPECT_FALSE(KnownCorners(file_).find(keyOf(9)));
+  EXPECT_EQ(countKnown(), kEntries);
 }
 
 TEST_F(KnownCornersFile, FinishedItHoldsWhatWasUsedInAnOrderOfItsOwn) {
@@ -221,7 +237,7 @@ class KnownPictures : public ::testing::Test {
   static std::string text(const DetectResult& result) {
     std::string text = detectionsCsv(result.detections);
     for (const PictureNote& note : result.notes) text += note.image + ": " + note.message + (note.failed ? " (failed)\n" : "\n");
-    return text + std::to_string(result.width) + " x " + std::to_string(result.height);
+    return text + picturesCsv(result.detections) + std::to_string(result.width) + " x " + std::to_string(result.height);
   }
   std::string detectWith(KnownCorners* known, int jobs = 1) const {
     DetectOptions options;

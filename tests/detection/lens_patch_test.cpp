@@ -49,6 +49,7 @@ TEST(LensPatch, StraightensAsOpenCvDoesAndBendsBack) {
     const LensPatch::Straight straight = patch->straighten(px);
     const Eigen::Vector2d exact = patch->straightenExactly(px).px;
     EXPECT_THAT(straight.px, test::IsNear(Eigen::Vector2d(expected.x, expected.y), kRough));
+    EXPECT_THAT(patch->row(px.y()).straightPixel(px.x()), test::IsNear(straight.px, 1e-12));
     EXPECT_THAT(exact, test::IsNear(Eigen::Vector2d(expected.x, expected.y), kTolerance));
     EXPECT_THAT(patch->bend(exact), test::IsNear(px, kTolerance));
     for (int axis = 0; axis < 2; ++axis) {
@@ -57,6 +58,21 @@ TEST(LensPatch, StraightensAsOpenCvDoesAndBendsBack) {
       const Eigen::Vector2d numeric = (patch->straighten(px + step).px - patch->straighten(px - step).px) / (2.0 * kStep);
       EXPECT_THAT(straight.J_straight_px.col(axis), test::IsNear(numeric, 1e-7));
     }
+  }
+}
+
+TEST(LensPatch, FollowsAMildLensFarBelowAnyNoise) {
+  constexpr double kTolerance = 1e-5;  // [px]; the polynomial leaves less than 1e-6 where it was fitted
+  Camera camera = barrelCamera();
+  camera.distortion.head<4>() << -0.02, 0.01, 1e-4, -1e-4;
+  const Eigen::Vector2d low(480.0, 60.0);
+  const auto patch = LensPatch::of(camera, low, low.array() + 60.0);
+  ASSERT_TRUE(patch);
+  Rng rng = test::rngOfThisTest();
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::Vector2d px = low + Eigen::Vector2d(rng.uniform(0.0, 60.0), rng.uniform(0.0, 60.0));
+    const cv::Point2d expected = straightened(camera, {{px.x(), px.y()}}).front();
+    EXPECT_THAT(patch->straightenExactly(px).px, test::IsNear(Eigen::Vector2d(expected.x, expected.y), kTolerance));
   }
 }
 

@@ -144,6 +144,10 @@ TEST(Scene, ErrorsNameLineAndExpectation) {
   EXPECT_THAT(errorOf("samples: {file: robot.yaml, count: 3}\n"), HasSubstr("scene.yaml:8: unknown key 'count'"));
   EXPECT_THAT(errorOf("image: {}\ncorners: {sigma: 0.1}\n"), HasSubstr("scene.yaml:9: corners: stands beside image"));
   EXPECT_THAT(errorOf("image: {background: forest}\n"), HasSubstr("scene.yaml:8: image: background 'forest' is not known"));
+  EXPECT_THAT(errorOf("image:\n  blur: 0.7\n  like: looks.csv\n"),
+              HasSubstr("scene.yaml:10: image.like: stands beside blur, expected one of the two"));
+  EXPECT_THAT(errorOf("image: {like: looks.csv, noise: 2}\n"), HasSubstr("scene.yaml:8: image.like: stands beside noise"));
+  EXPECT_THAT(errorOf("image: {like: looks.csv}\n"), HasSubstr("scene.yaml:8: image.like: 'looks.csv' is not there"));
   EXPECT_THAT(errorOf("corners: {sigma: -1}\n"), HasSubstr("scene.yaml:8: corners.sigma: is -1.0, expected 0 or more"));
   EXPECT_THAT(errorOf("errors: {seed: 1, position: 0, rotation: 0}\nactual: robot.yaml\n"),
               HasSubstr("scene.yaml:9: actual: stands beside errors"));

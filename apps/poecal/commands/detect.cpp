@@ -34,6 +34,14 @@ Counts count(const Detections& detections, const Target& target) {
   return counts;
 }
 
+std::vector<PictureLook> looksOf(const Detections& detections) {
+  std::vector<PictureLook> looks;
+  for (const ImageCorners& picture : detections.images) {
+    if (picture.look) looks.push_back(*picture.look);
+  }
+  return looks;
+}
+
 /// A share of a capture's pictures: the `index`-th of `count`, both from 1; all of them where count is 0.
 struct Part {
   std::size_t index = 0, count = 0;
@@ -70,7 +78,9 @@ constexpr const char* kExample = R"(
 Example:
   $ poecal detect capture --out detections.csv
   60 of 60 pictures show the target, 240 corners in detections.csv
+  blur 0.70 px, noise 2.0 grey levels
 
+What each picture looks like (blur, noise, growth of dark into light) is in detections-pictures.csv; a scene's `like:` takes it.
 What was found is kept in .stages/ beside the output: another run detects only in pictures that are new. On several machines:
   $ poecal detect capture --part 1/2 --out 1.corners     # here
   $ poecal detect capture --part 2/2 --out 2.corners     # there
@@ -91,17 +101,22 @@ int run(Arguments& arguments, const Common& common) {
   if (whole) {
     requireTarget(capture, result);
     writeTextFile(arguments.out, detectionsCsv(result.detections));
+    writeTextFile(picturesFile(arguments.out), picturesCsv(result.detections));
   }
   const Counts counts = count(result.detections, capture.target);
-  printSummary(common,
-               fmt::format("{} of {} pictures show the target, {} corners in {}\n", counts.with_corners, counts.pictures, counts.corners,
-                           arguments.out.string()),
-               {{"pictures", counts.pictures},
-                {"pictures_with_corners", counts.with_corners},
-                {"corners", counts.corners},
-                {"known_before", known.reused()},
-                {"warnings", notes},
-                {"file", arguments.out.string()}});
+  std::string text = fmt::format("{} of {} pictures show the target, {} corners in {}\n", counts.with_corners, counts.pictures,
+                                 counts.corners, arguments.out.string());
+  nlohmann::json json{{"pictures", counts.pictures}, {"pictures_with_corners", counts.with_corners},
+                      {"corners", counts.corners},   {"known_before", known.reused()},
+                      {"warnings", notes},           {"file", arguments.out.string()}};
+  if (const std::optional<PictureLook> look = medianLook(looksOf(result.detections))) {
+    text += fmt::format("blur {:.2f} px, noise {:.1f} grey levels\n", look->blur, look->noise);
+    json["blur_px"] = look->blur;
+    json["noise_grey_levels"] = look->noise;
+    json["growth_px"] = look->growth;
+  }
+  if (whole) json["pictures_file"] = picturesFile(arguments.out).string();
+  printSummary(common, text, json);
   return 0;
 }
 

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "poecal/capture/picture_look.hpp"
 #include "poecal/target/target.hpp"
 
 namespace poecal {
@@ -23,6 +25,7 @@ struct Corner {
 struct ImageCorners {
   std::string image;
   std::vector<Corner> corners;
+  std::optional<PictureLook> look = std::nullopt;  ///< where a tag was fitted to the picture; it is not in detections.csv
 };
 
 /// Pictures in the order of the capture (or of first appearance in the file); a picture without corners may be absent or empty.

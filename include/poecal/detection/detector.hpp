@@ -33,7 +33,7 @@ struct PictureNote {
 };
 
 struct DetectResult {
-  Detections detections;           ///< one entry per picture, in the order given; empty corners where it failed
+  Detections detections;           ///< one entry per picture, in the order given, with its look; empty corners where it failed
   std::vector<PictureNote> notes;  ///< in the order of the pictures
   int width = 0, height = 0;       ///< of the pictures
 };
@@ -42,7 +42,9 @@ struct DetectResult {
 /// does not depend on options.jobs.
 ///
 /// Tags: a quick pass with quad_decimate, and where a tag of the target is missing a thorough one in the full picture.
-/// Their corners are then fitted to the picture (options.refine). Each states its sigma: the fit's, or that of AprilTag's own corners.
+/// Their corners are then fitted to the picture (options.refine). Each states its sigma: the fit's, or that of AprilTag's own corners; what
+/// the fits say of blur, noise and growth is the picture's look, by the median of its tags.
+/// The only tag of an aprilgrid in a picture is left out where it cannot be fitted: black squares at its corners draw them away by pixels.
 /// A tag id seen twice in one picture gives no corners for that id. A picture that fails alone is a note. Where no tag was seen at all but
 /// tags of another family are there, the last note says so.
 /// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;

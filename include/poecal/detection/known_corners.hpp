@@ -21,6 +21,7 @@ struct PictureFinding {
   std::vector<Corner> corners;     ///< sorted by id
   std::vector<std::string> notes;  ///< one sentence each; there is one where `corners` is empty
   int width = 0, height = 0;       ///< of the picture
+  std::optional<PictureLook> look = std::nullopt;
 };
 
 /// Findings by pictureKey(). Each is appended to the file as its picture is finished; a line that does not bear out its own checksum, such

@@ -1,12 +1,14 @@
 // scene.yaml: a cell whose truth is known.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "poecal/capture/picture_look.hpp"
 #include "poecal/cell/cell.hpp"
 #include "poecal/effects/effect.hpp"
 
@@ -38,10 +40,15 @@ struct Scene {
   int repeats = 1;                     ///< shots per pose
   std::filesystem::path samples_file;  ///< empty: drawn
   std::optional<ImageOptions> image;   ///< pictures...
+  std::vector<PictureLook> looks;      ///< ...with blur and noise of these in turn instead of image's; empty: all as `image`
   std::optional<double> corner_sigma;  ///< ...or corners without pictures [px]
   std::optional<Target> board;         ///< intrinsics pictures of this board are added (key `intrinsics: {target: board.yaml, count: 15}`)
   int board_count = 0;
 };
+
+/// How the `index`-th picture (or intrinsics picture) of a scene with pictures is drawn: blur and noise of its looks in order, from the
+/// first again when they are used up.
+ImageOptions imageOptions(const Scene& scene, std::size_t index);
 
 /// Reads scene.yaml (format poecal-scene/1). Keys as in the contract, and
 ///   setup: eye_in_hand (default eye_to_hand); base_link, tip_link beside a URDF robot; stated_target: other.yaml;
@@ -50,6 +57,8 @@ struct Scene {
 /// `samples: {count, seed, repeats}` or `samples: {file, seed}`; each has the default of Scene. Without `image:` and `corners:` pictures
 /// are drawn. `errors: {seed, position, rotation}` turns every axis about two directions across it and shifts it along them (revolute), 1
 /// sigma each per joint.
+/// `image: {like: FILE, background: clutter}` takes blur and noise of each picture from a table as detect writes it
+/// (detections-pictures.csv); growth is not drawn.
 /// `effects:` as makeEffect takes them; those that move single points or pixels need `corners:`, pictures cannot be drawn of them.
 /// @throws FileError with the line.
 Scene readScene(const std::filesystem::path& file);

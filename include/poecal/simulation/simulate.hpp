@@ -38,8 +38,9 @@ struct SimulateSummary {
 };
 
 /// Writes the capture folder `capture` and the folder `capture`-truth beside it: truth.yaml (registration, the scene's seeds and noise),
-/// actual.yaml (the arm), camera.yaml, target.yaml, corners.csv (exact), samples.csv (the joints that the arm really had). Deterministic by
-/// the scene's seeds, whatever options.jobs. With intrinsics pictures the truth also holds their exact corners, intrinsics_corners.csv.
+/// actual.yaml (the arm), camera.yaml, target.yaml, corners.csv (exact), samples.csv (the joints that the arm really had) and, where the
+/// pictures are to look like others, pictures.csv (the blur and noise of each). Deterministic by the scene's seeds, whatever options.jobs.
+/// With intrinsics pictures the truth also holds their exact corners, intrinsics_corners.csv.
 /// @throws FileError if one of the two folders exists and is not empty; InsufficientData where the samples lack what an effect is driven
 /// by.
 SimulateSummary simulate(const Scene& scene, const std::filesystem::path& capture, const SimulateOptions& options);

@@ -1,0 +1,33 @@
+// How sharp and how noisy pictures are, as far as the tags in them tell: the table beside detections.csv.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace poecal {
+
+struct Detections;
+
+/// As a scene's `image:` means blur and noise.
+struct PictureLook {
+  double blur = 0.0;    ///< standard deviation of the lens's point spread, without the pixel's own square [px]
+  double noise = 0.0;   ///< standard deviation of a pixel's noise, without its rounding [grey levels of 255]
+  double growth = 0.0;  ///< of dark into light (ink, bloom, gamma), to each side of an edge [px]; negative: light grows into dark
+};
+
+/// The median of each figure by itself; nothing where there are no looks.
+std::optional<PictureLook> medianLook(const std::vector<PictureLook>& looks);
+
+/// The file beside `detections` that says what its pictures look like: detections.csv -> detections-pictures.csv.
+std::filesystem::path picturesFile(const std::filesystem::path& detections);
+
+/// `image,blur,noise,growth`, a row for each picture that has a look.
+std::string picturesCsv(const Detections& detections);
+
+/// Looks in the order of the rows. Columns beyond blur, noise and growth are passed over; growth may be absent and is 0 then.
+/// @throws FileError with the line: not a number, a blur or noise below 0; line 1 where there is no row.
+std::vector<PictureLook> readPictureLooks(const std::filesystem::path& file);
+
+}  // namespace poecal
