@@ -358,23 +358,31 @@ void tellBad(const Selection& selection, const std::vector<Observation>& observa
   diagnosis.findings.push_back(std::move(finding));
 }
 
-/// What was found as the model holds it: named effects, curves, and joints that move at random.
+/// An effect with what was estimated of it: the deviations of its linear parameters, one after the other.
+AppliedEffect withDeviations(AppliedEffect applied, const Eigen::VectorXd& deviations) {
+  applied.standard_deviation = Eigen::VectorXd::Constant(applied.parameters.size(), std::numeric_limits<double>::quiet_NaN());
+  Eigen::Index next = 0;
+  for (std::size_t i = 0; i < applied.effect.parameters().size(); ++i) {
+    if (applied.effect.parameters()[i].role != ParameterRole::kLinear) continue;
+    applied.standard_deviation(static_cast<Eigen::Index>(i)) = deviations(next++);
+  }
+  return applied;
+}
+
+/// What was found as the model holds it: named effects and what their stated masses leave out, curves, and joints that move at random.
 std::vector<AppliedEffect> appliedEffects(const Selection& selection, const std::vector<Eigen::VectorXd>& deviations) {
   const ModelState& state = selection.linear.state;
   std::vector<AppliedEffect> effects;
   for (std::size_t k = 0; k < selection.linear.accepted.size(); ++k) {
     const Accepted& one = selection.linear.accepted[k];
     const Candidate& candidate = one.candidate;
-    AppliedEffect applied = candidate.known()
-                                ? state.effects[one.effect]
-                                : makeCurve(candidate.location, candidate.driver, candidate.curve->range, one.factors, state.cell.cell);
-    applied.standard_deviation = Eigen::VectorXd::Constant(applied.parameters.size(), std::numeric_limits<double>::quiet_NaN());
-    Eigen::Index next = 0;
-    for (std::size_t i = 0; i < applied.effect.parameters().size(); ++i) {
-      if (applied.effect.parameters()[i].role != ParameterRole::kLinear) continue;
-      applied.standard_deviation(static_cast<Eigen::Index>(i)) = deviations[k](next++);
-    }
-    effects.push_back(std::move(applied));
+    effects.push_back(withDeviations(
+        candidate.known() ? state.effects[one.effect]
+                          : makeCurve(candidate.location, candidate.driver, candidate.curve->range, one.factors, state.cell.cell),
+        deviations[k]));
+    if (!candidate.mass_errors) continue;
+    const Eigen::Index count = candidate.mass_errors->start().size();
+    effects.push_back(withDeviations({*candidate.mass_errors, one.factors.tail(count)}, deviations[k].tail(count)));
   }
   for (const FoundEffect& found : selection.findings) {
     if (!found.scatter) continue;

@@ -57,7 +57,8 @@ std::string findingText(const Finding& finding) {
   for (const AlternativeCause& other : finding.alternatives) {
     text += fmt::format("         or {} at {} ({})\n", other.effect, other.location, percent(other.probability));
   }
-  if (finding.effect != "bad_samples" && finding.effect != "joint_scatter") {
+  const bool random = finding.effect == "joint_scatter";  // no model foretells it; poses that it spoils less can count for more
+  if (finding.effect != "bad_samples" && !(random && !finding.shrinkage.claimed())) {
     text += finding.shrinkage.claimed()
                 ? fmt::format("  how far: the gap shrinks by {} ({} to {})\n", percent(finding.shrinkage.value),
                               percent(finding.shrinkage.interval.first), percent(finding.shrinkage.interval.second))

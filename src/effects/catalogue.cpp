@@ -191,8 +191,12 @@ Effect instantiate(const EffectKind& kind, std::size_t index, const std::string&
   effect.kind_ = &kind;
   effect.index_ = index;
   effect.driver_ = driver;
-  effect.by_masses_ = kind.yields_to_gravity && cell.arm && cell.arm->links.empty();
-  effect.parameters_ = effect.by_masses_               ? massParameters(kind, index, *cell.arm)
+  const std::vector<EffectParameter> by_masses =
+      kind.yields_to_gravity && cell.arm ? massParameters(kind, index, *cell.arm) : std::vector<EffectParameter>{};
+  const bool asked =
+      std::any_of(by_masses.begin(), by_masses.end(), [&parameters](const EffectParameter& p) { return parameters.contains(p.name); });
+  effect.by_masses_ = !by_masses.empty() && (cell.arm->links.empty() || asked);
+  effect.parameters_ = effect.by_masses_               ? by_masses
                        : kind.parameters_of == nullptr ? kind.parameters
                                                        : kind.parameters_of(driver, parameters);
   const bool slides = kind.place == PlaceKind::kJoint && cell.arm->joints[index].type == JointType::kPrismatic;
