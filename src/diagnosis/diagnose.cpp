@@ -199,8 +199,9 @@ std::string rungName(const Selection& selection, const std::vector<std::size_t>&
   return name;
 }
 
-/// The ladder, and how much each finding shrinks the excess.
-void climb(const Selection& selection, const Identification& identification, const DiagnoseOptions& options, Diagnosis& diagnosis) {
+/// The ladder, and how much each finding shrinks the excess. @return for each finding whether it serves poses that its fit did not see.
+std::vector<bool> climb(const Selection& selection, const Identification& identification, const DiagnoseOptions& options,
+                        Diagnosis& diagnosis) {
   const Ladder ladder(selection, identification.closed_form, options.folds, options.seed);
   std::vector<Rung> rungs = ladder.geometricRungs();
   std::vector<std::size_t> taken;
@@ -214,13 +215,17 @@ void climb(const Selection& selection, const Identification& identification, con
   diagnosis.before_excess = diagnosis.stages[kIdentified].excess;
   diagnosis.after_excess = diagnosis.stages.back().excess;
   if (rungs.size() > kIdentified + 1) diagnosis.shrinkage = ladder.shrinkage(rungs[kIdentified], rungs.back());
+  std::vector<bool> serves;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     std::vector<std::size_t> others;
     for (const std::size_t j : taken) {
       if (j != i) others.push_back(j);
     }
-    diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : ladder.shrinkage(ladder.rungWith("", others), rungs.back());
+    const Rung without = others.empty() ? rungs[kIdentified] : ladder.rungWith("", others);
+    diagnosis.findings[i].shrinkage = ladder.shrinkage(without, rungs.back());
+    serves.push_back(ladder.serves(without, rungs.back()));
   }
+  return serves;
 }
 
 void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
@@ -417,8 +422,9 @@ void tellModel(const Selection& selection, const Identification& identification,
   }
 }
 
-/// Everything but the list of bad samples.
-Diagnosis told(const Selection& selection, const Identification& identification, const DiagnoseOptions& options) {
+/// Everything but the list of bad samples, and for each finding whether it serves poses that its fit did not see.
+std::pair<Diagnosis, std::vector<bool>> told(const Selection& selection, const Identification& identification,
+                                             const DiagnoseOptions& options) {
   Diagnosis diagnosis;
   diagnosis.log_odds = selection.base_ranking.log_total;
   diagnosis.answers = static_cast<int>(selection.candidates.size());
@@ -442,13 +448,13 @@ Diagnosis told(const Selection& selection, const Identification& identification,
     diagnosis.findings.push_back(std::move(finding));
   }
   tellNoise(selection, diagnosis);
-  climb(selection, identification, options, diagnosis);
+  std::vector<bool> serves = climb(selection, identification, options, diagnosis);
   tellWhere(selection, diagnosis);
   tellRemaining(selection, diagnosis);
   tellWhatCanBeSeen(selection, diagnosis);
   tellExplained(selection, diagnosis);
   tellModel(selection, identification, deviations, diagnosis);
-  return diagnosis;
+  return {std::move(diagnosis), std::move(serves)};
 }
 
 }  // namespace
@@ -469,20 +475,20 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
   // it is the first, what has a name may still serve; names that do not either are not given in its place.
   for (SearchLimits limits;;) {
     const Selection selection = selectEffects(measured, state, wild, limits);
-    Diagnosis diagnosis = told(selection, identification, options);
-    const auto useless = std::find_if(diagnosis.findings.begin(), diagnosis.findings.end(), [&limits](const Finding& finding) {
-      const bool has_size = finding.effect != "joint_scatter";
-      return has_size && (finding.effect == "unknown" || !limits.curves) && !finding.shrinkage.claimed();
-    });
-    if (useless == diagnosis.findings.end()) {
+    auto [diagnosis, serves] = told(selection, identification, options);
+    std::size_t useless = 0;
+    for (; useless < diagnosis.findings.size(); ++useless) {
+      const std::string& effect = diagnosis.findings[useless].effect;
+      if (effect != "joint_scatter" && (effect == "unknown" || !limits.curves) && !serves[useless]) break;
+    }
+    if (useless == diagnosis.findings.size()) {
       tellBad(selection, observations, samples, diagnosis);
       return diagnosis;
     }
-    const bool first = useless == diagnosis.findings.begin();
-    if (first && limits.curves) {
+    if (useless == 0 && limits.curves) {
       limits.curves = false;
     } else {
-      limits.most = static_cast<std::size_t>(useless - diagnosis.findings.begin());
+      limits.most = useless;
     }
   }
 }

@@ -256,6 +256,18 @@ Shrinkage Ladder::shrinkage(const Rung& before, const Rung& last) const {
   return shrinkage;
 }
 
+bool Ladder::serves(const Rung& before, const Rung& last) const {
+  constexpr double kQuantile = 1.96;
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t g = 0; g < before.poses.size(); ++g) {
+    const double gain = before.poses[g].squares - last.poses[g].squares;
+    sum += gain;
+    squares += gain * gain;
+  }
+  const double variance = squares - sum * sum / static_cast<double>(before.poses.size());
+  return sum > kQuantile * std::sqrt(std::max(0.0, variance));
+}
+
 double Ladder::noiseRms(const Rung& last) const {
   Sums sums;
   for (std::size_t g = 0; g < last.poses.size(); ++g) sums.add(last.poses[g], last.poses[g], expected_[g]);
