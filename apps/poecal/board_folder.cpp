@@ -5,7 +5,6 @@
 #include "poecal/core/text.hpp"
 #include "poecal/detection/board_pictures.hpp"
 #include "poecal/detection/known_corners.hpp"
-#include "poecal/target/target.hpp"
 
 namespace poecal::app {
 namespace {
@@ -25,9 +24,6 @@ std::string residualsCsv(const IntrinsicsResult& result) {
   return csv.str();
 }
 
-/// Whether corners depend on the lens that they are found with: those of tags do, whose bent edges are fitted as a whole.
-bool isFittedThroughTheLens(const Target& target) { return target.type == TargetType::kAprilTag || target.type == TargetType::kAprilGrid; }
-
 }  // namespace
 
 std::filesystem::path residualsFile(const std::filesystem::path& camera_file) {
@@ -41,7 +37,8 @@ IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const
   KnownCorners known(camera_file.parent_path() / ".stages" / "board-corners");
   BoardPictures pictures = readBoardPictures(folder, detect_options, &known);
   IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
-  if (isFittedThroughTheLens(readTarget(folder / "target.yaml"))) {
+  // Edges of tags are fitted as a whole, bent as the lens bends them: their corners depend on the lens that they are found with.
+  if (pictures.target.hasTags()) {
     detect_options.camera = result.chosen().camera;
     pictures = readBoardPictures(folder, detect_options, &known);
     result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "poecal/core/error.hpp"
-#include "poecal/target/target.hpp"
 
 namespace poecal {
 namespace {
@@ -26,13 +25,13 @@ BoardView boardView(const ImageCorners& image, const Target& target) {
 }  // namespace
 
 BoardPictures readBoardPictures(const std::filesystem::path& folder, const DetectOptions& options, KnownCorners* known) {
-  const Target target = readTarget(folder / "target.yaml");
+  BoardPictures pictures;
+  pictures.target = readTarget(folder / "target.yaml");
   const std::vector<std::string> images = listPictures(folder);
   if (images.empty()) throw FileError(folder, 0, "no pictures, expected PNG, JPEG or TIFF files of the board");
-  DetectResult found = detect(folder, images, target, options, known);
+  DetectResult found = detect(folder, images, pictures.target, options, known);
   if (found.width == 0) throw FileError(folder, 0, fmt::format("none of the {} pictures can be read", images.size()));
-  BoardPictures pictures;
-  for (const ImageCorners& image : found.detections.images) pictures.views.push_back(boardView(image, target));
+  for (const ImageCorners& image : found.detections.images) pictures.views.push_back(boardView(image, pictures.target));
   pictures.notes = std::move(found.notes);
   pictures.width = found.width;
   pictures.height = found.height;

@@ -101,8 +101,6 @@ cv::Size commonSize(const std::vector<PictureFinding>& findings, const DetectOpt
   return {};
 }
 
-bool isTagTarget(const Target& target) { return target.type == TargetType::kAprilTag || target.type == TargetType::kAprilGrid; }
-
 }  // namespace
 
 void DetectOptions::validate() const {
@@ -145,7 +143,7 @@ DetectResult detect(const std::filesystem::path& folder, const std::vector<std::
     for (std::string& message : finding.notes) result.notes.push_back({images[k], std::move(message), finding.corners.empty()});
     result.detections.images.push_back({images[k], std::move(finding.corners), finding.look});
   }
-  if (!any_corners && isTagTarget(target)) {
+  if (!any_corners && target.hasTags()) {
     if (const auto image = findMirrored(folder, readable, target.family)) {
       throw FileError(folder / *image, 0, "shows the target's tags mirrored, expected the picture as the camera took it");
     }

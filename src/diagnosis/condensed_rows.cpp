@@ -7,8 +7,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "poecal/core/error.hpp"
-
 namespace poecal {
 namespace {
 
@@ -79,9 +77,7 @@ void forWhitenedPoses(const CondensedRows& rows, const Eigen::VectorXd& theta, c
     C.setZero(pose.size, pose.size);
     if (Z.cols() > 0) C.selfadjointView<Eigen::Lower>().rankUpdate(Z);
     if (rows.white) C.diagonal().array() += theta(static_cast<Eigen::Index>(*rows.white));
-    llt.compute(C);
-    if (llt.info() != Eigen::Success)
-      throw InsufficientData("the noise of a pose cannot be told from nothing: its rows repeat each other exactly");
+    factorNoise(C, llt);
     Eigen::MatrixXd& whitener = some.whitener.emplace_back(Eigen::MatrixXd::Identity(pose.size, pose.size));
     llt.matrixL().solveInPlace(whitener);
     some.end = g + 1;

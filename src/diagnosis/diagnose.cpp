@@ -214,7 +214,7 @@ std::vector<bool> climb(const Selection& selection, const Identification& identi
   diagnosis.noise_rms = ladder.noiseRms(rungs.back());
   diagnosis.before_excess = diagnosis.stages[kIdentified].excess;
   diagnosis.after_excess = diagnosis.stages.back().excess;
-  if (rungs.size() > kIdentified + 1) diagnosis.shrinkage = ladder.shrinkage(rungs[kIdentified], rungs.back());
+  if (!taken.empty()) diagnosis.shrinkage = ladder.shrinkage(rungs[kIdentified], rungs.back());
   std::vector<bool> serves;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     std::vector<std::size_t> others;
@@ -222,7 +222,7 @@ std::vector<bool> climb(const Selection& selection, const Identification& identi
       if (j != i) others.push_back(j);
     }
     const Rung without = others.empty() ? rungs[kIdentified] : ladder.rungWith("", others);
-    diagnosis.findings[i].shrinkage = ladder.shrinkage(without, rungs.back());
+    diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : ladder.shrinkage(without, rungs.back());
     serves.push_back(ladder.serves(without, rungs.back()));
   }
   return serves;

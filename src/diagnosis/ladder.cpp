@@ -44,9 +44,7 @@ Eigen::VectorXd squareWeights(const CaptureRows& rows) {
 
 /// Squares of each pose that the uncertainty of a fit to all others makes: with P = X Cov X' of the pose by the whole fit and C its noise,
 /// leaving it out gives P + P (C - P)^-1 P.
-std::vector<double> expectedSquares(const Linearised& linear) {
-  const Eigen::MatrixXd X = linear.allColumns();
-  const Eigen::VectorXd weights = squareWeights(linear.rows);
+std::vector<double> expectedSquares(const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights) {
   const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
   std::vector<double> squares;
   for (std::size_t g = 0; g < whitening.poses(); ++g) {
@@ -60,6 +58,26 @@ std::vector<double> expectedSquares(const Linearised& linear) {
     const Eigen::MatrixXd directions = whitening.undo(g, share.eigenvectors());
     const Eigen::VectorXd variances = directions.cwiseAbs2() * (taken / (1.0 - taken)).matrix();
     squares.push_back(variances.dot(weights.segment(begin, size)));
+  }
+  return squares;
+}
+
+/// Squares that the parameters make at each pose when they are drawn from their covariance, poses x draws; their mean is `expected`.
+Eigen::MatrixXd drawnSquares(const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights,
+                             const std::vector<double>& expected, int draws, Rng& rng) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> covariance(linear.noise.covariance);
+  const Eigen::MatrixXd root = covariance.eigenvectors() * covariance.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd moved = weights.cwiseSqrt().asDiagonal() * (X * root);
+  const Eigen::MatrixXd errors = Eigen::MatrixXd::NullaryExpr(moved.cols(), draws, [&rng] { return rng.normal(); });
+  Eigen::MatrixXd squares(static_cast<Eigen::Index>(expected.size()), draws);
+  Eigen::Index begin = 0;
+  for (std::size_t g = 0; g < expected.size(); ++g) {
+    const int size = linear.rows.groupSize(g);
+    const auto part = moved.middleRows(begin, size);
+    // What the fit saw of the pose makes it better known than it is to a fit that did not.
+    const double unseen = expected[g] / std::max(part.squaredNorm(), std::numeric_limits<double>::min());
+    squares.row(static_cast<Eigen::Index>(g)) = unseen * (part * errors).colwise().squaredNorm();
+    begin += size;
   }
   return squares;
 }
@@ -83,7 +101,12 @@ NoiseEstimate asCornerNoise(const Linearised& linear) {
 }  // namespace
 
 Ladder::Ladder(const Selection& selection, const Registration& closed_form, int folds, std::uint64_t seed)
-    : selection_(selection), closed_form_(closed_form), expected_(expectedSquares(selection.linear)), seed_(seed) {
+    : selection_(selection), closed_form_(closed_form), resampling_(seed, 1) {
+  const Eigen::MatrixXd X = selection.linear.allColumns();
+  const Eigen::VectorXd weights = squareWeights(selection.linear.rows);
+  expected_ = expectedSquares(selection.linear, X, weights);
+  constexpr int kDraws = 400;
+  if (!selection.findings.empty()) drawn_ = drawnSquares(selection.linear, X, weights, expected_, kDraws, resampling_);
   const std::size_t groups = selection.measured.groups.size();
   std::vector<std::size_t> order(groups);
   std::iota(order.begin(), order.end(), 0);
@@ -210,28 +233,8 @@ GapStage Ladder::stageOf(const Rung& rung, const Rung& last) const {
   return stage;
 }
 
-Eigen::MatrixXd Ladder::drawnSquares(int draws, Rng& rng) const {
-  const Linearised& linear = selection_.linear;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> covariance(linear.noise.covariance);
-  const Eigen::MatrixXd root = covariance.eigenvectors() * covariance.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  const Eigen::MatrixXd moved = squareWeights(linear.rows).cwiseSqrt().asDiagonal() * (linear.allColumns() * root);
-  const Eigen::MatrixXd errors = Eigen::MatrixXd::NullaryExpr(moved.cols(), draws, [&rng] { return rng.normal(); });
-  Eigen::MatrixXd squares(static_cast<Eigen::Index>(expected_.size()), draws);
-  Eigen::Index begin = 0;
-  for (Eigen::Index g = 0; g < squares.rows(); ++g) {
-    Eigen::Index size = 0;
-    for (const std::size_t k : linear.rows.groups[static_cast<std::size_t>(g)]) size += linear.rows.observations[k].size;
-    const auto part = moved.middleRows(begin, size);
-    // What the fit saw of the pose makes it better known than it is to a fit that did not.
-    const double unseen = expected_[static_cast<std::size_t>(g)] / std::max(part.squaredNorm(), std::numeric_limits<double>::min());
-    squares.row(g) = unseen * (part * errors).colwise().squaredNorm();
-    begin += size;
-  }
-  return squares;
-}
-
 Shrinkage Ladder::shrinkage(const Rung& before, const Rung& last) const {
-  constexpr int kResamples = 2000, kDraws = 400;
+  constexpr int kResamples = 2000;
   constexpr std::size_t kTestPoses = 60;
   const std::size_t count = before.poses.size();
   Sums all;
@@ -239,8 +242,7 @@ Shrinkage Ladder::shrinkage(const Rung& before, const Rung& last) const {
   Shrinkage shrinkage;
   if (!(all.points > 0.0)) return shrinkage;
   shrinkage.value = all.shrinkage();
-  Rng rng(seed_, 1);
-  const Eigen::MatrixXd expected = drawnSquares(kDraws, rng);
+  Rng rng = resampling_;
   // These poses are a sample, and so are those on which somebody looks again: both means scatter, as one over so many poses does.
   const std::size_t again = std::min<std::size_t>(count, kTestPoses), others = std::max<std::size_t>(1, count * again / (count + again));
   std::vector<double> values;
@@ -248,7 +250,7 @@ Shrinkage Ladder::shrinkage(const Rung& before, const Rung& last) const {
     Sums sums;
     for (std::size_t k = 0; k < others; ++k) {
       const std::size_t g = rng.below(count);
-      sums.add(before.poses[g], last.poses[g], expected(static_cast<Eigen::Index>(g), resample % kDraws));
+      sums.add(before.poses[g], last.poses[g], drawn_(static_cast<Eigen::Index>(g), resample % drawn_.cols()));
     }
     values.push_back(sums.shrinkage());
   }

@@ -39,7 +39,7 @@ class Ladder {
 
   GapStage stageOf(const Rung& rung, const Rung& last) const;
   /// 1 - excess(last) / excess(before), and where it lies 95 times in 100 on other poses, 60 or as many as there are: bootstrap of the
-  /// poses, with the whole model's parameters drawn from their covariance.
+  /// poses, with the whole model's parameters drawn from their covariance. Only where there are findings.
   Shrinkage shrinkage(const Rung& before, const Rung& last) const;
   /// Whether these poses themselves are better off with the last rung than with the other, beyond the chance of 2.5 %: their mean
   /// difference of squares in its standard error.
@@ -58,15 +58,14 @@ class Ladder {
   Rung judged(const std::string& stage, Fit fit) const;
   Rung fitted(const std::string& stage, const ModelState& start, const std::vector<Accepted>& accepted,
               const std::vector<std::size_t>& scatter, const NoiseEstimate& noise) const;
-  /// Squares that the whole model's parameters make at each pose when they are drawn from their covariance: poses x draws.
-  Eigen::MatrixXd drawnSquares(int draws, Rng& rng) const;
   void addErrors(const Linearised& at, const Groups& test, const std::vector<std::size_t>& numbers, Rung& rung) const;
 
   const Selection& selection_;
   Registration closed_form_;
   std::vector<std::vector<std::size_t>> folds_;  ///< numbers of groups
   std::vector<double> expected_;                 ///< squares of each pose that the uncertainty of a fit without it makes
-  std::uint64_t seed_;
+  Eigen::MatrixXd drawn_;                        ///< the same by drawn parameters, poses x draws; empty without findings
+  Rng resampling_;
 };
 
 }  // namespace poecal

@@ -5,7 +5,6 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 
 #include "diagnosis/condensed_rows.hpp"
 #include "poecal/core/error.hpp"
@@ -299,6 +298,13 @@ NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start
   });
 }
 
+void factorNoise(const Eigen::MatrixXd& C, Eigen::LLT<Eigen::MatrixXd>& llt) {
+  llt.compute(C);
+  if (llt.info() != Eigen::Success) {
+    throw InsufficientData("the noise of a pose cannot be told from nothing: its rows repeat each other exactly");
+  }
+}
+
 Whitening::Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>& components, const Eigen::VectorXd& theta) {
   int begin = 0;
   for (std::size_t g = 0; g < rows.groups.size(); ++g) {
@@ -312,9 +318,8 @@ Whitening::Whitening(const CaptureRows& rows, const std::vector<NoiseComponent>&
         C.selfadjointView<Eigen::Lower>().rankUpdate(components[i].Z[g], variance);
       }
     }
-    Eigen::LLT<Eigen::MatrixXd> llt(C);
-    if (llt.info() != Eigen::Success)
-      throw InsufficientData("the noise of a pose cannot be told from nothing: its rows repeat each other exactly");
+    Eigen::LLT<Eigen::MatrixXd> llt;
+    factorNoise(C, llt);
     log_determinant_ += 2.0 * llt.matrixLLT().diagonal().array().log().sum();
     begin_.push_back(begin);
     L_.push_back(llt.matrixL());

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "diagnosis/capture_rows.hpp"
@@ -37,6 +38,9 @@ std::string scatterName(std::size_t k);
 
 /// Joint k (from 0) moving at random from pose to pose, by itself. @param start  variance [rad^2].
 NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start);
+
+/// Cholesky factor of a pose's C. @throws InsufficientData where C is singular.
+void factorNoise(const Eigen::MatrixXd& C, Eigen::LLT<Eigen::MatrixXd>& llt);
 
 /// Cholesky factors of C, one per pose.
 class Whitening {

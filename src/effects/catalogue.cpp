@@ -118,7 +118,6 @@ bool haveAll(const std::vector<Sample>& samples, bool (*has)(const Sample&)) { r
 
 /// What is missing for a need, or empty.
 std::string whatIsMissing(Need need, const Effect& effect, const Cell& cell, const Target& target, const std::vector<Sample>& samples) {
-  const bool has_tags = target.type == TargetType::kAprilTag || target.type == TargetType::kAprilGrid;
   switch (need) {
     case Need::kJoints:
       return cell.arm && haveAll(samples, [](const Sample& s) { return s.q.size() > 0; }) ? "" : "no q1.. columns";
@@ -133,7 +132,7 @@ std::string whatIsMissing(Need need, const Effect& effect, const Cell& cell, con
     case Need::kRevolute:
       return cell.arm && cell.arm->joints[effect.index()].type == JointType::kRevolute ? "" : "the joint does not turn";
     case Need::kTags:
-      return has_tags ? "" : "no tags";
+      return target.hasTags() ? "" : "no tags";
     case Need::kSeveralTags: {
       std::set<int> ids;
       for (const TargetPoint& point : target.points) ids.insert(point.id.tag);

@@ -31,8 +31,7 @@ std::optional<Eigen::Index> numberAfter(const std::string& driver, const std::st
 std::string driverUnit(const std::string& driver) {
   if (numberAfter(driver, "q")) return "rad";
   if (numberAfter(driver, "tau")) return "N m";
-  if (driver == "stamp") return "s";
-  return driver == "temperature" ? "degC" : "";
+  return driver == "stamp" || driver == "temperature" ? "t" : "";
 }
 
 std::vector<EffectParameter> range(const std::string& driver) {

@@ -57,8 +57,7 @@ Eigen::Vector2d outwardAt(const Eigen::Vector2d& before, const Eigen::Vector2d& 
 Eigen::Vector2d outwardOf(const CaptureContext& capture, const Eigen::Isometry3d& T_camera_target, PointId id) {
   constexpr int kCorners = 4;
   const Eigen::Vector2d none = Eigen::Vector2d::Zero();
-  const bool is_tag = capture.target.type == TargetType::kAprilTag || capture.target.type == TargetType::kAprilGrid;
-  if (!is_tag) return none;
+  if (!capture.target.hasTags()) return none;
   std::array<Eigen::Vector2d, kCorners> px;
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   for (int corner = 0; corner < kCorners; ++corner) {

@@ -53,8 +53,7 @@ std::vector<JointLimits> drawRanges(const Scene& scene) {
 /// A pose worth taking: see drawSamples.
 bool wellInView(const Scene& scene, const Eigen::VectorXd& q) {
   const Eigen::Isometry3d T_camera_target = scene.registration.cameraTarget(forwardKinematics(scene.actual, q));
-  const bool tags = scene.target.type == TargetType::kAprilTag || scene.target.type == TargetType::kAprilGrid;
-  const double smallest_side = tags ? kSmallestTagSide : kSmallestSquareSide;
+  const double smallest_side = scene.target.hasTags() ? kSmallestTagSide : kSmallestSquareSide;
   bool any_faces = false;
   for (const FaceSight& sight : sightOf(scene.camera, scene.target, T_camera_target)) {
     if (!sight.complete || !inPicture(scene.camera, sight.corners, kPictureMargin)) return false;

@@ -6,10 +6,12 @@
 
 #include "poecal/camera/intrinsics.hpp"
 #include "poecal/detection/detector.hpp"
+#include "poecal/target/target.hpp"
 
 namespace poecal {
 
 struct BoardPictures {
+  Target target;
   std::vector<BoardView> views;    ///< one per picture, sorted by name; without points where the board was not found
   std::vector<PictureNote> notes;  ///< as detect() gives them
   int width = 0, height = 0;       ///< of the pictures

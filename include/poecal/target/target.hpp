@@ -46,6 +46,8 @@ struct Target {
 
   /// The point, or nullptr where the target has none of that name.
   const TargetPoint* find(PointId id) const;
+  /// AprilTags, alone or as a grid: their corners are where edges meet, and their ids are known.
+  bool hasTags() const { return type == TargetType::kAprilTag || type == TargetType::kAprilGrid; }
   /// All points in one plane to 1e-9 m.
   bool planar() const;
 };
