@@ -163,9 +163,13 @@ PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layou
 }
 
 PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation, const ArmChain& chain) {
+  return evaluatePose(state, layout, state.cell.registration, chain, observation.q);
+}
+
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Registration& registration, const ArmChain& chain,
+                            const Eigen::VectorXd& q) {
   PoseDerivative derivative;
   derivative.M.resize(6, layout.pose_parameters);
-  const Registration& registration = state.cell.registration;
   derivative.T_camera_target = registration.cameraTarget(chain.T_base_flange);
   // A left perturbation of T_base_flange in base is one of T_camera_target in camera: by Ad(T_camera_base), and turned round in hand,
   // where the arm enters as its inverse.
@@ -175,13 +179,14 @@ PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layou
     const Matrix6d A = sign * adjoint(T_camera_base);
     if (layout.twists > 0) {
       derivative.M.leftCols(layout.twists).noalias() =
-          A * twistJacobian(*state.reference, state.beta, *state.cell.arm, chain, observation.q);
+          A * twistJacobian(*state.reference, state.beta, *state.cell.arm, chain, q);
     }
     if (layout.gamma >= 0) derivative.M.middleCols<6>(layout.gamma).noalias() = A * adjoint(chain.P.back());
   }
   if (layout.near >= 0) derivative.M.middleCols<6>(layout.near).setIdentity();
   if (layout.far >= 0) {
-    const Eigen::Isometry3d T_camera_far = derivative.T_camera_target * registration.T_far_target.inverse();
+    // What disturbs the far frame stands before its transform.
+    const Eigen::Isometry3d T_camera_far = derivative.T_camera_target * state.cell.registration.T_far_target.inverse();
     derivative.M.middleCols<6>(layout.far) = adjoint(T_camera_far);
   }
   return derivative;

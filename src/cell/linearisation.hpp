@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "poecal/cell/adjustment.hpp"
+#include "poecal/cell/ports.hpp"
 
 namespace poecal {
 
@@ -60,6 +61,12 @@ struct PoseDerivative {
 PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation);
 /// @param chain  the cell's arm there; where neither twists nor gamma are free, its T_base_flange is enough.
 PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation, const ArmChain& chain);
+/// @param registration  with what disturbs it, as the chain and q are; the derivative is by that of the state. Columns of the near transform
+/// are those of a left perturbation of what is given.
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Registration& registration, const ArmChain& chain,
+                            const Eigen::VectorXd& q);
+/// In a cell that is disturbed.
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Sample& sample, const Disturbance& at);
 
 /// T_camera_target of an observation.
 Eigen::Isometry3d modelTarget(const Cell& cell, const Observation& observation);

@@ -37,7 +37,7 @@ double jointOffset(const Disturbance& disturbance, Eigen::Index k) { return dist
 
 /// The disturbed chain: where each joint and each link's port stands.
 struct DisturbedChain {
-  std::vector<Eigen::Isometry3d> before_joint;  ///< all that stands before exp(xi_k q_k)
+  std::vector<Eigen::Isometry3d> before_joint;  ///< all that stands before exp(xi_k q_k), and last before exp(gamma)
   std::vector<Eigen::Isometry3d> before_link;   ///< all that stands before exp(l_k)
   Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
 };
@@ -55,6 +55,7 @@ DisturbedChain disturbedChain(const Arm& arm, const Eigen::VectorXd& q, const Di
     chain.before_link.push_back(T);
     if (!disturbance.links.empty()) T = T * expSe3(disturbance.links[k]);
   }
+  chain.before_joint.push_back(T);
   chain.T_base_flange = T * expSe3(arm.gamma);
   return chain;
 }
@@ -159,9 +160,9 @@ PosePortJacobian posePortJacobian(const Cell& cell, const Sample& sample, const 
   // where the arm enters as its inverse.
   const double sign = registration.setup == Setup::kEyeToHand ? 1.0 : -1.0;
   const Matrix6d J_pose_flange = sign * adjoint(registration.cameraBase(chain.T_base_flange));
-  jacobian.joints.resize(6, static_cast<Eigen::Index>(chain.before_joint.size()));
+  jacobian.joints.resize(6, static_cast<Eigen::Index>(chain.before_link.size()));
   jacobian.links.reserve(chain.before_link.size());
-  for (std::size_t k = 0; k < chain.before_joint.size(); ++k) {
+  for (std::size_t k = 0; k < chain.before_link.size(); ++k) {
     const Vector6d xi_base = adjoint(chain.before_joint[k]) * cell.arm->joints[k].xi;
     jacobian.joints.col(static_cast<Eigen::Index>(k)) = J_pose_flange * xi_base;
     const Matrix6d J_pose_link = J_pose_flange * adjoint(chain.before_link[k]);
@@ -173,6 +174,23 @@ PosePortJacobian posePortJacobian(const Cell& cell, const Sample& sample, const 
   const Eigen::Isometry3d T_camera_far = jacobian.T_camera_target * registration.T_far_target.inverse();
   jacobian.grip = atTwist(adjoint(T_camera_far), at.grip);
   return jacobian;
+}
+
+PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Sample& sample, const Disturbance& at) {
+  checkArmPorts(state.cell, sample, at);
+  const Registration registration = disturbedRegistration(state.cell.registration, at);
+  ArmChain chain;
+  Eigen::VectorXd q;
+  if (state.cell.arm && sample.q.size() > 0) {
+    q = at.joints.size() > 0 ? Eigen::VectorXd(sample.q + at.joints) : sample.q;
+    DisturbedChain disturbed = disturbedChain(*state.cell.arm, sample.q, at);
+    chain = {.P = std::move(disturbed.before_joint), .T_base_flange = disturbed.T_base_flange};
+  } else {
+    chain.T_base_flange = disturbedFlange(state.cell, sample, at);
+  }
+  PoseDerivative derivative = evaluatePose(state, layout, registration, chain, q);
+  if (layout.near >= 0) derivative.M.middleCols<6>(layout.near) = adjoint(expSe3(at.mount));
+  return derivative;
 }
 
 PortJacobian portJacobian(const Cell& cell, const Sample& sample, const std::vector<TargetPoint>& points, const Disturbance& at) {

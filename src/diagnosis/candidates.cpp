@@ -17,7 +17,7 @@ constexpr std::size_t kMostSlipTimes = 60;
 // Shares of the explanations: named ones against curves of unknown shape; see selection.
 constexpr double kNamedShare = 0.75, kCurveShare = 0.25;
 
-/// Times between samples that follow each other, at most kMostSlipTimes of them, with a few samples on either side.
+/// Times between samples that follow each other, with a few samples on either side.
 std::vector<double> slipTimes(const std::vector<Sample>& samples) {
   std::vector<double> stamps;
   for (const Sample& sample : samples) {
@@ -29,10 +29,22 @@ std::vector<double> slipTimes(const std::vector<Sample>& samples) {
   for (std::size_t k = kLeast; k + kLeast <= stamps.size(); ++k) {
     if (stamps[k] > stamps[k - 1]) between.push_back(0.5 * (stamps[k] + stamps[k - 1]));
   }
-  if (between.size() <= kMostSlipTimes) return between;
-  std::vector<double> some;
-  for (std::size_t k = 0; k < kMostSlipTimes; ++k) some.push_back(between[k * (between.size() - 1) / (kMostSlipTimes - 1)]);
-  return some;
+  return between;
+}
+
+/// Numbers of the times that are tried, of `count`: all, or kMostSlipTimes of them.
+std::vector<std::size_t> triedTimes(std::size_t count) {
+  std::vector<std::size_t> tried(std::min(count, kMostSlipTimes));
+  for (std::size_t k = 0; k < tried.size(); ++k) tried[k] = tried.size() == count ? k : k * (count - 1) / (tried.size() - 1);
+  return tried;
+}
+
+/// The parameter that is scanned; nothing where none is.
+std::optional<std::size_t> scannedParameter(const Effect& effect) {
+  for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
+    if (effect.parameters()[i].role == ParameterRole::kScanned) return i;
+  }
+  return {};
 }
 
 /// Low orders are strain and eccentricity of gears; high ones their teeth, each alone unlikely.
@@ -50,7 +62,8 @@ std::vector<std::pair<double, double>> scanned(const EffectParameter& parameter,
   if (parameter.name == "order") return harmonicOrders();
   std::vector<std::pair<double, double>> values;
   const std::vector<double> times = slipTimes(samples);
-  for (const double time : times) values.emplace_back(time, 1.0 / static_cast<double>(times.size()));
+  const std::vector<std::size_t> tried = triedTimes(times.size());
+  for (const std::size_t k : tried) values.emplace_back(times[k], 1.0 / static_cast<double>(tried.size()));
   return values;
 }
 
@@ -89,11 +102,9 @@ void addNamed(const CaptureContext& capture, const Effect& effect, double share,
   candidate.location = effect.location();
   candidate.driver = effect.driver();
   candidate.parameters = effect.start();
-  std::optional<Eigen::Index> scan;
   std::vector<double> typical;
   for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
     const EffectParameter& parameter = effect.parameters()[i];
-    if (parameter.role == ParameterRole::kScanned) scan = static_cast<Eigen::Index>(i);
     // Another capture begins elsewhere: what was found here keeps this one's reference.
     if (parameter.name == "reference") {
       candidate.parameters(static_cast<Eigen::Index>(i)) =
@@ -106,12 +117,13 @@ void addNamed(const CaptureContext& capture, const Effect& effect, double share,
   candidate.typical = Eigen::Map<Eigen::VectorXd>(typical.data(), static_cast<Eigen::Index>(typical.size()));
   candidate.log_prior = std::log(share);
   addMassErrors(capture.cell, candidate);
+  const std::optional<std::size_t> scan = scannedParameter(effect);
   if (!scan) {
     candidates.push_back(std::move(candidate));
     return;
   }
-  for (const auto& [value, part] : scanned(effect.parameters()[static_cast<std::size_t>(*scan)], samples)) {
-    candidate.parameters(*scan) = value;
+  for (const auto& [value, part] : scanned(effect.parameters()[*scan], samples)) {
+    candidate.parameters(static_cast<Eigen::Index>(*scan)) = value;
     candidate.log_prior = std::log(share * part);
     candidates.push_back(candidate);
   }
@@ -332,6 +344,36 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
     list.candidates.push_back(std::move(curve));
   }
   return list;
+}
+
+std::vector<Candidate> untriedTimes(const Candidate& slip, const std::vector<Sample>& samples) {
+  const std::optional<std::size_t> scan = slip.known() ? scannedParameter(*slip.effect) : std::nullopt;
+  if (!scan || slip.effect->parameters()[*scan].name != "time") return {};
+  const std::vector<double> times = slipTimes(samples);
+  const std::vector<std::size_t> tried = triedTimes(times.size());
+  const auto time = static_cast<Eigen::Index>(*scan);
+  const auto at = std::find_if(tried.begin(), tried.end(), [&](std::size_t k) { return times[k] == slip.parameters(time); });
+  if (at == tried.end()) return {};
+  const std::size_t low = at == tried.begin() ? *at : *(at - 1) + 1, high = at + 1 == tried.end() ? *at + 1 : *(at + 1);
+  std::vector<Candidate> all;
+  for (std::size_t k = low; k < high; ++k) {
+    if (k == *at) continue;
+    all.push_back(slip);
+    all.back().parameters(time) = times[k];
+  }
+  return all;
+}
+
+Eigen::VectorXd Candidate::spread(double scale, const Eigen::VectorXd& found) const {
+  Eigen::VectorXd sigma = scale * typical;
+  if (!mass_errors) return sigma;
+  constexpr double kLeast = 0.01;
+  const Eigen::Index of_each = (typical.size() - own()) / own();
+  for (Eigen::Index way = 0; way < own(); ++way) {
+    const double times = std::clamp(found(way) / typical(way), kLeast * scale, scale);
+    sigma.segment(own() + way * of_each, of_each) = times * typical.segment(own() + way * of_each, of_each);
+  }
+  return sigma;
 }
 
 Entry Candidate::entry() const {

@@ -47,6 +47,12 @@ struct Candidate {
   double log_prior = 0.0;   ///< share among all explanations
 
   bool known() const { return effect.has_value(); }
+  /// Number of columns that stand by themselves: all but what wrongly stated masses leave out.
+  Eigen::Index own() const { return mass_errors ? static_cast<Eigen::Index>(linear.size()) : typical.size(); }
+  /// 1 sigma of each column's factor for an effect of `scale` times its typical size. Stated masses are off by a share of themselves: what
+  /// they leave out is no larger than that share of the compliance that was found.
+  /// @param found  size of each own factor, in its unit.
+  Eigen::VectorXd spread(double scale, const Eigen::VectorXd& found) const;
   Entry entry() const;
   /// "joint_slip@joint:2/stamp": what is one answer, whatever its scanned parameters.
   std::string answer() const { return name + "@" + location + "/" + driver; }
@@ -58,6 +64,9 @@ struct CandidateList {
 };
 
 CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state);
+
+/// A slip at the times around its own that allCandidates() did not try, where there are more than it tries; none of other candidates.
+std::vector<Candidate> untriedTimes(const Candidate& slip, const std::vector<Sample>& samples);
 
 /// d(rows)/d(action) of an observation at an entry that is not kPicture: rows x 1 or 6.
 Eigen::MatrixXd entryColumns(const Entry& entry, const ObservationRows& part);

@@ -17,10 +17,6 @@
 namespace poecal {
 namespace {
 
-// Expected chi-square of an effect that a search over some hundred answers finds four times in five.
-constexpr double kDetectableChiSquare = 36.0;
-// An effect that would have to be so many times its usual size is none that these data can test.
-constexpr double kAbsurdSize = 20.0;
 constexpr std::size_t kFewestPoses = 12;
 
 MeasuredCell measuredCell(const Identification& identification, const std::vector<Observation>& observations,
@@ -96,8 +92,7 @@ std::map<std::pair<std::string, std::string>, Sight> sights(const Selection& sel
     if (!candidate.known()) continue;
     Sight& sight = all[{candidate.name, candidate.location}];
     const auto first = static_cast<std::size_t>(candidate.linear.front());
-    const double information = selection.base_evidence[i].information;
-    const double times = information > 0.0 ? std::sqrt(kDetectableChiSquare / information) : std::numeric_limits<double>::infinity();
+    const double times = smallestSeen(selection.base_evidence[i].information);
     if (times < sight.times_typical || sight.unit.empty()) {
       sight = {times * candidate.typical(0), candidate.effect->parameters()[first].unit, times};
     }
@@ -126,8 +121,12 @@ std::string whyUnseen(const std::string& effect, const std::string& location, co
 
 void tellWhatCanBeSeen(const Selection& selection, Diagnosis& diagnosis) {
   diagnosis.not_testable = selection.not_testable;
+  const auto is_found = [&selection](const std::pair<std::string, std::string>& name) {
+    return std::any_of(selection.findings.begin(), selection.findings.end(),
+                       [&name](const FoundEffect& found) { return found.name == name.first && found.location == name.second; });
+  };
   for (const auto& [name, sight] : sights(selection)) {
-    if (sight.times_typical > kAbsurdSize) {
+    if (sight.times_typical > kAbsurdSize && !is_found(name)) {
       diagnosis.not_testable.push_back({name.first, name.second, whyUnseen(name.first, name.second, selection.measured)});
     } else {
       diagnosis.detectable.push_back({name.first, name.second, sight.smallest, sight.unit});

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace poecal {
@@ -24,11 +26,54 @@ ColumnPrior priorOf(const std::vector<Accepted>& accepted) {
   constexpr double kWide = 10.0;
   ColumnPrior prior = ColumnPrior::none(0);
   for (const Accepted& one : accepted) {
-    Eigen::VectorXd sigma = one.scale * one.candidate.typical;
+    Eigen::VectorXd sigma = one.candidate.spread(one.scale, one.factors.head(one.candidate.own()).cwiseAbs());
     if (one.candidate.known()) sigma.head(static_cast<Eigen::Index>(one.candidate.linear.size())) *= kWide;
     prior = prior.joinedWith(ColumnPrior::independent(sigma, one.factors));
   }
   return prior;
+}
+
+/// Information on factors in units of the typical, in directions that are independent of each other.
+struct Spectrum {
+  Eigen::VectorXd values;  ///< information
+  Eigen::VectorXd z;       ///< score
+  Eigen::MatrixXd directions;
+
+  Spectrum(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Eigen::VectorXd& typical) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(typical.asDiagonal() * S * typical.asDiagonal());
+    values = eigen.eigenvalues().cwiseMax(0.0);
+    directions = eigen.eigenvectors();
+    z = directions.transpose() * typical.cwiseProduct(u);
+  }
+  /// Log of the evidence where the factors are `scale` typical ones.
+  double evidence(double scale) const {
+    const double square = scale * scale;
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < z.size(); ++i) {
+      sum += 0.5 * (square * z(i) * z(i) / (1.0 + square * values(i)) - std::log1p(square * values(i)));
+    }
+    return sum;
+  }
+  /// The same where each factor has a size of its own, in units of the typical.
+  double evidence(const Eigen::VectorXd& sizes) const {
+    // From the directions and not from S, which rounding may have left with directions of less than no information.
+    const Eigen::MatrixXd seen = sizes.asDiagonal() * (directions * values.cwiseSqrt().asDiagonal());
+    Eigen::MatrixXd information = seen * seen.transpose();
+    information.diagonal().array() += 1.0;
+    const Eigen::LLT<Eigen::MatrixXd> llt(information);
+    return 0.5 * llt.matrixL().solve(sizes.cwiseProduct(directions * z)).squaredNorm() - llt.matrixLLT().diagonal().array().log().sum();
+  }
+  /// Root of each factor's expected square where they are `scale` typical ones.
+  Eigen::VectorXd sizes(double scale) const {
+    const Eigen::VectorXd variances = (values.array() + 1.0 / (scale * scale)).inverse();
+    const Eigen::VectorXd mean = directions * variances.cwiseProduct(z);
+    return (mean.array().square() + (directions.cwiseAbs2() * variances).array()).sqrt();
+  }
+};
+
+
+std::size_t largest(const std::vector<double>& values) {
+  return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
 }
 
 }  // namespace
@@ -38,32 +83,36 @@ const std::vector<double>& evidenceScales() {
   return scales;
 }
 
-Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Eigen::VectorXd& typical) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(typical.asDiagonal() * S * typical.asDiagonal());
-  const Eigen::VectorXd z = eigen.eigenvectors().transpose() * typical.cwiseProduct(u);
-  Evidence evidence;
+double smallestSeen(double information) {
+  constexpr double kDetectableChiSquare = 36.0;
+  return information > 0.0 ? std::sqrt(kDetectableChiSquare / information) : std::numeric_limits<double>::infinity();
+}
+
+Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Candidate& candidate) {
+  const Eigen::VectorXd& typical = candidate.typical;
+  const Spectrum all(S, u, typical);
+  const Eigen::Index own = candidate.own();
+  const Spectrum alone = own < typical.size() ? Spectrum(S.topLeftCorner(own, own), u.head(own), typical.head(own)) : all;
   std::vector<double> over_scales;
-  double best = -std::numeric_limits<double>::infinity();
-  for (const double scale : evidenceScales()) {
-    double value = 0.0;
-    for (Eigen::Index i = 0; i < z.size(); ++i) {
-      const double a = scale * scale * std::max(0.0, eigen.eigenvalues()(i));
-      value += 0.5 * (scale * scale * z(i) * z(i) / (1.0 + a) - std::log1p(a));
+  for (const double scale : evidenceScales()) over_scales.push_back(alone.evidence(scale));
+  Evidence evidence;
+  evidence.information = alone.values.sum() / static_cast<double>(own);
+  evidence.clearest = alone.values.maxCoeff();
+  evidence.scale = evidenceScales()[largest(over_scales)];
+  evidence.found = alone.sizes(evidence.scale).cwiseProduct(typical.head(own));
+  if (own < typical.size()) {
+    for (std::size_t i = 0; i < over_scales.size(); ++i) {
+      over_scales[i] = all.evidence(candidate.spread(evidenceScales()[i], evidence.found).cwiseQuotient(typical));
     }
-    over_scales.push_back(value);
-    if (value > best) {
-      best = value;
-      evidence.scale = scale;
-    }
+    evidence.scale = evidenceScales()[largest(over_scales)];
   }
   evidence.log_bayes = logMeanExp(over_scales);
-  const double cutoff = 1e-9 * std::max(1e-30, eigen.eigenvalues().maxCoeff());
-  for (Eigen::Index i = 0; i < z.size(); ++i) {
-    if (eigen.eigenvalues()(i) <= cutoff) continue;
-    evidence.chi_square += z(i) * z(i) / eigen.eigenvalues()(i);
+  const double cutoff = 1e-9 * std::max(1e-30, all.values.maxCoeff());
+  for (Eigen::Index i = 0; i < all.values.size(); ++i) {
+    if (all.values(i) <= cutoff) continue;
+    evidence.chi_square += all.z(i) * all.z(i) / all.values(i);
     ++evidence.dimension;
   }
-  evidence.information = eigen.eigenvalues().cwiseMax(0.0).sum() / static_cast<double>(z.size());
   return evidence;
 }
 
@@ -110,19 +159,19 @@ void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearise
   linear.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, linear.columns, linear.column_prior, &from);
 }
 
-ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, double start_scale) {
+ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, const Evidence& screened) {
   const Eigen::MatrixXd columns = columnsOf(candidate, linear.rows);
   Eigen::MatrixXd extra(linear.rows.size(), linear.columns.cols() + columns.cols());
   extra << linear.columns, columns;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(columns.cols());
   const auto prior = [&](double scale) {
-    return linear.column_prior.joinedWith(ColumnPrior::independent(scale * candidate.typical, zero));
+    return linear.column_prior.joinedWith(ColumnPrior::independent(candidate.spread(scale, screened.found), zero));
   };
   ExactEvidence exact;
-  exact.scale = start_scale;
-  exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(start_scale), &linear.noise, kPrecision);
+  exact.scale = screened.scale;
+  exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(screened.scale), &linear.noise, kPrecision);
   const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
-  std::vector<ColumnPrior> priors{base.joinedWith(prior(start_scale))};
+  std::vector<ColumnPrior> priors{base.joinedWith(prior(screened.scale))};
   for (const double scale : evidenceScales()) priors.push_back(base.joinedWith(prior(scale)));
   const std::vector<NoiseEstimate> estimates = likelihoodsAt(linear.rows, linear.components, exact.noise.theta, extra, priors);
   const double penalty = estimates.front().log_likelihood - exact.noise.log_likelihood;

@@ -45,11 +45,19 @@ struct Evidence {
   double scale = 1.0;        ///< the size that fits best
   double chi_square = 0.0;   ///< drop of chi-square at its best fit
   int dimension = 0;         ///< columns that the rows can see
-  double information = 0.0;  ///< mean over the columns of information on a factor in units of the typical
+  double information = 0.0;  ///< mean over its own columns of information on a factor in units of the typical
+  double clearest = 0.0;     ///< the same in the direction that the rows show best
+  Eigen::VectorXd found;     ///< size of each own factor by its own columns alone: root of its expected square
 };
 
-/// Evidence of columns whose factors have 1 sigma `typical`, from what all else leaves of their information S and score u.
-Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Eigen::VectorXd& typical);
+/// Size in units of the typical of what is found four times in five, which takes an expected chi-square of 36 in a search over some hundred
+/// answers. @param information  see Evidence. @return infinity where there is none.
+double smallestSeen(double information);
+/// An effect that would have to be so many times its usual size to be seen is none that the rows can test.
+constexpr double kAbsurdSize = 20.0;
+
+/// Evidence of a candidate, from what all else leaves of its columns' information S and score u.
+Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Candidate& candidate);
 
 /// Sizes in units of the typical over which evidence is averaged.
 const std::vector<double>& evidenceScales();
@@ -60,7 +68,8 @@ struct ExactEvidence {
   double scale = 1.0;
   NoiseEstimate noise;  ///< its b ends with the candidate's factors
 };
-ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, double start_scale);
+/// @param screened  its evidence at the linearisation.
+ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, const Evidence& screened);
 
 /// Evidence of joint k (from 0) moving at random by itself: one variance more, averaged over its size.
 ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& measured, std::size_t k);

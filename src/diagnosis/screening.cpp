@@ -205,7 +205,7 @@ std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candida
       const Eigen::Index width = candidate.typical.size();
       const Eigen::MatrixXd S = Eigen::MatrixXd(chunk.information[k].selfadjointView<Eigen::Lower>()) -
                                 chunk.cross.middleCols(column, width).transpose() * explained.middleCols(column, width);
-      all[chunk.candidates[k]] = evidenceOf(S, chunk.score.segment(column, width), candidate.typical);
+      all[chunk.candidates[k]] = evidenceOf(S, chunk.score.segment(column, width), candidate);
       column += width;
     }
   });

@@ -67,7 +67,8 @@ class Ranker {
       if (!curves_ && !candidates_[i].known()) continue;
       if (std::find(taken.begin(), taken.end(), candidates_[i].answer()) == taken.end()) by_answer[candidates_[i].answer()].push_back(i);
     }
-    for (auto& [name, members] : by_answer) {
+    for (const auto& [name, members] : by_answer) {
+      if (!taken.empty() && !isTestable(ranking, members)) continue;
       std::vector<double> weights;
       std::size_t best = members.front();
       for (const std::size_t i : members) {
@@ -75,20 +76,20 @@ class Ranker {
         if (weight(ranking, i) > weight(ranking, best)) best = i;
       }
       const Candidate& candidate = candidates_[best];
-      RankedAnswer answer{.name = candidate.name,
-                          .location = candidate.location,
-                          .driver = candidate.driver,
-                          .log_weight = logSumExp(weights),
-                          .log_bayes = ranking.screened[best].log_bayes,
-                          .chi_square = ranking.screened[best].chi_square,
-                          .candidate = candidate,
-                          .scatter = {},
-                          .exact = {}};
-      starts_[name] = ranking.screened[best].scale;
-      ranking.answers.push_back(std::move(answer));
+      ranking.answers.push_back({.name = candidate.name,
+                                 .location = candidate.location,
+                                 .driver = candidate.driver,
+                                 .log_weight = logSumExp(weights),
+                                 .log_bayes = ranking.screened[best].log_bayes,
+                                 .chi_square = ranking.screened[best].chi_square,
+                                 .candidate = candidate,
+                                 .scatter = {},
+                                 .screened = ranking.screened[best],
+                                 .exact = {}});
     }
+    findTimes(linear, ranking);
     sort(ranking);
-    sharpen(linear, ranking);
+    sharpen(linear, ranking, taken.empty() && leavesPlacesOpen(linear));
     addScatter(linear, taken, ranking);
     sort(ranking);
     ranking.sumUp();
@@ -98,20 +99,78 @@ class Ranker {
  private:
   double weight(const Ranking& ranking, std::size_t i) const { return ranking.screened[i].log_bayes + candidates_[i].log_prior; }
 
+  /// Whether an effect of a size that is met on real cells could be seen. What could not is, beside another finding, mostly what that one
+  /// does not follow.
+  bool isTestable(const Ranking& ranking, const std::vector<std::size_t>& members) const {
+    return std::any_of(members.begin(), members.end(), [&](std::size_t i) {
+      return !candidates_[i].known() || smallestSeen(ranking.screened[i].clearest) <= kAbsurdSize;
+    });
+  }
+
+  /// Slips that stand out, at the times around their best one that were not tried yet.
+  void findTimes(const Linearised& linear, Ranking& ranking) const {
+    std::vector<Candidate> untried;
+    std::vector<std::pair<std::size_t, std::size_t>> of;  // answer, how many
+    for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
+      const RankedAnswer& answer = ranking.answers[i];
+      if (answer.log_bayes < 0.0) continue;
+      const std::vector<Candidate> some = untriedTimes(*answer.candidate, measured_.samples);
+      of.emplace_back(i, some.size());
+      untried.insert(untried.end(), some.begin(), some.end());
+    }
+    if (untried.empty()) return;
+    const std::vector<Evidence> evidence = screen(linear, untried);
+    std::size_t next = 0;
+    for (const auto& [i, count] : of) {
+      RankedAnswer& answer = ranking.answers[i];
+      const double before = answer.log_bayes;
+      std::vector<double> all{before};
+      for (const std::size_t end = next + count; next < end; ++next) {
+        all.push_back(evidence[next].log_bayes);
+        if (evidence[next].log_bayes <= answer.log_bayes) continue;
+        answer.log_bayes = evidence[next].log_bayes;
+        answer.chi_square = evidence[next].chi_square;
+        answer.candidate = untried[next];
+        answer.screened = evidence[next];
+      }
+      // The time that was tried stood for those around it.
+      answer.log_weight += logSumExp(all) - std::log(static_cast<double>(all.size())) - before;
+    }
+  }
+
   static void sort(Ranking& ranking) {
     std::stable_sort(ranking.answers.begin(), ranking.answers.end(),
                      [](const RankedAnswer& a, const RankedAnswer& b) { return a.log_weight > b.log_weight; });
   }
 
-  /// The best few with the noise estimated beside them.
-  void sharpen(const Linearised& linear, Ranking& ranking) const {
+  /// Whether the capture does not tell within centimetres where the target is on the flange, as no arm does whose axes are parallel.
+  bool leavesPlacesOpen(const Linearised& linear) const {
+    constexpr double kOpen = 0.02;  // [m]
+    const int far = ParameterLayout(linear.state.cell.cell, measured_.free).far;
+    return far >= 0 && linear.noise.covariance.diagonal().segment<3>(far + 3).maxCoeff() > kOpen * kOpen;
+  }
+
+  /// What the rows say more of an effect where the fit may go from the linearisation to the places at which they show it best.
+  double gainOfRefit(const Linearised& linear, const Candidate& candidate, const ExactEvidence& exact) const {
+    const Eigen::Index count = candidate.typical.size();
+    Accepted one{.candidate = candidate, .factors = Eigen::VectorXd::Zero(count), .scale = exact.scale};
+    Linearised plain = linearise(measured_, linear.state, {one}, {}, {});
+    setNoise(measured_, linear.noise, plain);
+    one.factors = exact.noise.b.tail(count);
+    const Linearised fitted = refit(measured_, linear.state, {one}, {}, plain.noise, {}, true);
+    return std::max(0.0, fitted.noise.log_likelihood - plain.noise.log_likelihood);
+  }
+
+  /// The best few with the noise estimated beside them. @param refitted  where they are weighed after a fit of their own.
+  void sharpen(const Linearised& linear, Ranking& ranking, bool refitted) const {
     std::size_t named = 0, curves = 0;
     for (RankedAnswer& answer : ranking.answers) {
       const bool known = answer.candidate->known();
       if ((known ? named : curves) >= (known ? kShortlist : kCurveShortlist)) continue;
       ++(known ? named : curves);
       if (answer.log_bayes < 0.0) continue;
-      answer.exact = exactEvidence(linear, measured_, *answer.candidate, starts_.at(answer.candidate->answer()));
+      answer.exact = exactEvidence(linear, measured_, *answer.candidate, answer.screened);
+      if (refitted && known) answer.exact->log_bayes += gainOfRefit(linear, *answer.candidate, *answer.exact);
       answer.log_weight += answer.exact->log_bayes - answer.log_bayes;
       answer.log_bayes = answer.exact->log_bayes;
     }
@@ -144,7 +203,6 @@ class Ranker {
   const MeasuredCell& measured_;
   const std::vector<Candidate>& candidates_;
   bool curves_;
-  mutable std::map<std::string, double> starts_;
 };
 
 /// The answer to give: the best, but a named one that a curve beats only by what its own imprecision leaves.

@@ -18,6 +18,7 @@ struct RankedAnswer {
   double chi_square = 0.0;
   std::optional<Candidate> candidate = {};  ///< its best instance, or
   std::optional<std::size_t> scatter = {};  ///< the joint that moves at random
+  Evidence screened = {};                   ///< of the best instance
   std::optional<ExactEvidence> exact = {};
 };
 

@@ -94,6 +94,12 @@ std::string unitAt(const std::string& unit, const std::string& driver, bool slid
   return timed.starts_with("rad/(N m)") ? replaced(timed, "rad/(N m)", "m/N") : replaced(timed, "rad", "m");
 }
 
+/// The kinds state sizes per hour: machines warm by some ten kelvin in it.
+double typicalAt(const EffectParameter& parameter, const std::string& driver) {
+  constexpr double kKelvinPerHour = 10.0;
+  return parameter.unit.ends_with("/t") && driver == "temperature" ? parameter.typical / kKelvinPerHour : parameter.typical;
+}
+
 /// Compliance times the masses of every body that the place carries, and the compliance as a payload shows it; see Effect::byMasses. Where
 /// a kind yields in two ways (compliance and difference), all of them for each way.
 std::vector<EffectParameter> massParameters(const EffectKind& kind, std::size_t index, const Arm& arm) {
@@ -202,6 +208,7 @@ Effect instantiate(const EffectKind& kind, std::size_t index, const std::string&
   effect.start_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(effect.parameters_.size()));
   for (std::size_t i = 0; i < effect.parameters_.size(); ++i) {
     EffectParameter& parameter = effect.parameters_[i];
+    parameter.typical = typicalAt(parameter, driver);
     parameter.unit = unitAt(parameter.unit, driver, slides);
     const auto given = parameters.find(parameter.name);
     if (parameter.name == "reference") effect.start_(static_cast<Eigen::Index>(i)) = std::numeric_limits<double>::quiet_NaN();

@@ -21,7 +21,7 @@ EffectKind linkExpansion() {
   kind.place = PlaceKind::kLink;
   kind.reach = Reach::kPose;
   kind.drivers = {"temperature", "stamp"};
-  kind.parameters = {{"expansion", "1/t", 2e-5}, driftReference()};
+  kind.parameters = {{"expansion", "1/t", 2e-4}, driftReference()};
   kind.needs = {Need::kJoints};
   kind.meaning = "the link grows as it warms";
   kind.formula =

@@ -95,6 +95,32 @@ TEST_P(AdjustmentOf, DerivativesMatchCentralDifferences) {
   }
 }
 
+TEST_P(AdjustmentOf, DerivativesOfADisturbedPoseMatchCentralDifferences) {
+  constexpr double kStep = 1e-6;
+  Rng rng = test::rngOfThisTest();
+  const Cell cell = testCell(rng, GetParam().joints, GetParam().setup);
+  const FreeParameters free{.twists = true, .gamma = true, .near = true, .far = true};
+  const ParameterLayout layout(cell, free);
+  const CellState state = CellState(cell, free).moved(layout, test::uniformVector(rng, layout.total, 1e-3));
+  constexpr double kLarge = 0.1;  // where an undisturbed cell's derivatives are off by a tenth
+  Disturbance at = Disturbance::zero(cell, 0);
+  at.joints = test::uniformVector(rng, cell.arm->jointCount(), kLarge);
+  for (Vector6d& link : at.links) link = test::uniformVector(rng, 6, kLarge);
+  for (Vector6d* port : {&at.base, &at.mount, &at.grip}) *port = test::uniformVector(rng, 6, kLarge);
+  Sample sample;
+  sample.q = test::uniformVector(rng, cell.arm->jointCount(), 1.0);
+  const PoseDerivative pose = evaluatePose(state, layout, sample, at);
+  const Eigen::Isometry3d T = disturbedTarget(state.cell, sample, at);
+  EXPECT_THAT(pose.T_camera_target.matrix(), test::IsNear(T.matrix(), 1e-12));
+  for (int k = 0; k < layout.total; ++k) {
+    const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(layout.total, k);
+    const Eigen::Isometry3d ahead = disturbedTarget(state.moved(layout, step).cell, sample, at);
+    const Eigen::Isometry3d behind = disturbedTarget(state.moved(layout, -step).cell, sample, at);
+    const Vector6d numeric = logSe3(ahead * behind.inverse()) / (2.0 * kStep);
+    EXPECT_THAT(Vector6d(pose.M.col(k)), test::IsNear(numeric, 1e-8)) << parameterNames(cell, free)[static_cast<std::size_t>(k)];
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Cells, AdjustmentOf,
                          ::testing::Values(Case{"RRRRRR", Setup::kEyeToHand}, Case{"RRRRRR", Setup::kEyeInHand}, Case{"RRPR", Setup::kEyeToHand}));
 

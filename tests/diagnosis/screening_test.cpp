@@ -67,7 +67,7 @@ TEST(Screening, IsWhatWholeMatricesGive) {
     const Eigen::MatrixXd x = columnsOf(candidate, linear.rows);
     const Eigen::MatrixXd cross = X.transpose() * W * x;
     const Evidence dense =
-        evidenceOf(x.transpose() * W * x - cross.transpose() * linear.noise.covariance * cross, x.transpose() * W * r, candidate.typical);
+        evidenceOf(x.transpose() * W * x - cross.transpose() * linear.noise.covariance * cross, x.transpose() * W * r, candidate);
     // The difference of two nearly equal informations keeps about six digits.
     constexpr double kRelative = 1e-5;
     EXPECT_NEAR(screened[i].log_bayes, dense.log_bayes, kRelative * (1.0 + std::abs(dense.log_bayes))) << candidate.answer();

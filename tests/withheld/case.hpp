@@ -29,6 +29,7 @@ struct Hidden {
   Flaw flaw;
   double S = 0.0;                    ///< see Leftover
   std::vector<std::string> aliases;  ///< "effect@location" of listed ones that explain it without a rest, besides geometry
+  std::vector<std::string> close;    ///< those, no aliases, that leave less of it than kTellable
   std::string nearest;               ///< the listed one, not an alias, that explains most of it
   double left_by_nearest = 0.0;      ///< S that the nearest one does not explain
 };

@@ -167,6 +167,7 @@ nlohmann::ordered_json truth(const Case& made) {
     for (const Parameter& parameter : hidden.flaw.parameters) effect["parameters"][parameter.name] = parameter.value;
     effect["S"] = hidden.S;
     effect["aliases"] = hidden.aliases;
+    effect["close"] = hidden.close;
     effect["nearest"] = hidden.nearest;
     effect["left_by_nearest"] = hidden.left_by_nearest;
     json["effects"].push_back(effect);

@@ -34,16 +34,22 @@ bool couldLeave(const Flaw& flaw, const Leftover& leftover, double S) {
   return false;
 }
 
-/// Fills aliases and nearest of a hidden effect from instances of all kinds.
+void addOnce(const std::string& place, std::vector<std::string>& places) {
+  if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
+}
+
+/// Fills aliases, close and nearest of a hidden effect from instances of all kinds.
 void compare(Hidden& hidden, const std::vector<Flaw>& others, const Leftover& leftover) {
   const Eigen::VectorXd left = leftover.left({hidden.flaw});
   for (const Flaw& other : others) {
     if (other.place() == hidden.flaw.place()) continue;
     const double rest = Leftover::besides(left, leftover.columns(other)).norm();
     if (rest < kSame * hidden.S && rest < kSameAtMost) {
-      if (std::find(hidden.aliases.begin(), hidden.aliases.end(), other.place()) == hidden.aliases.end())
-        hidden.aliases.push_back(other.place());
-    } else if (hidden.nearest.empty() || rest < hidden.left_by_nearest) {
+      addOnce(other.place(), hidden.aliases);
+      continue;
+    }
+    if (rest < kTellable) addOnce(other.place(), hidden.close);
+    if (hidden.nearest.empty() || rest < hidden.left_by_nearest) {
       hidden.nearest = other.place();
       hidden.left_by_nearest = rest;
     }
@@ -97,18 +103,18 @@ std::optional<Hidden> chooseListed(const Case& made, const Leftover& leftover, c
       for (Parameter& parameter : flaw.parameters) parameter.value = std::abs(parameter.value);
     }
     if (!scaleTo(S, leftover, flaw)) continue;
-    return Hidden{flaw, leftover.size(flaw), {}, "", 0.0};
+    return Hidden{flaw, leftover.size(flaw), {}, {}, "", 0.0};
   }
   return std::nullopt;
 }
 
-void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden, bool masses_unknown) {
+void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden) {
   Instances instances{timeOfRun(made, 0.5), {2}};
   for (const Parameter& parameter : hidden.flaw.parameters) {
     if (parameter.name == "time") instances.slip_time = parameter.value;
   }
   std::vector<Flaw> others = listedFlaws(made.actual, made.columns, instances);
-  if (masses_unknown) {
+  if (!made.told_masses) {
     for (Flaw& flaw : others) {
       if (flaw.yields) flaw = withUnknownMasses(made.actual, flaw);
     }
@@ -129,7 +135,7 @@ std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, 
   for (int attempt = 0; attempt < kTries; ++attempt) {
     Flaw flaw = strangeFlaw(made.actual, made.shots, chance);
     if (!scaleTo(S, leftover, flaw)) continue;
-    Hidden hidden{flaw, leftover.size(flaw), {}, "", 0.0};
+    Hidden hidden{flaw, leftover.size(flaw), {}, {}, "", 0.0};
     compare(hidden, all, leftover);
     if (hidden.aliases.empty() && hidden.left_by_nearest > std::max(kStrangeLeast, kStrangeShare * hidden.S)) return hidden;
   }

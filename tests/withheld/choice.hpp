@@ -22,9 +22,12 @@ KindNeeds needsOf(const std::string& effect);
 /// A flaw of the kind at a random place, leaving S; nothing where the cell has no such place.
 std::optional<Hidden> chooseListed(const Case& made, const Leftover& leftover, const std::string& effect, double S, Chance& chance);
 
-/// Fills aliases and nearest of a hidden effect from every listed effect that the cell can have.
-/// @param masses_unknown  gravity's effects are those of an arm of any masses
-void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden, bool masses_unknown = false);
+/// Two hypotheses so many sigma apart are mistaken for each other in 5 % of all cases: nearer ones are a class, to be named together.
+constexpr double kTellable = 3.3;
+
+/// Fills aliases, close and nearest of a hidden effect from every listed effect that the cell can have; where no masses are told, gravity's
+/// effects are those of an arm of any masses.
+void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden);
 
 /// One that the table does not have and that no listed one explains.
 std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, Chance& chance);

@@ -52,7 +52,7 @@ Hidden chooseShift(const Case& made, const Leftover& leftover, Chance& chance) {
   for (int draw = 0; draw < kDraws; ++draw) {
     std::optional<Hidden> hidden = chooseListed(made, leftover, chance.oneOf(names), chance.scale(kLeastS, kMostS), chance);
     if (!hidden) continue;
-    compareWithListed(made, leftover, *hidden, true);
+    compareWithListed(made, leftover, *hidden);
     return *hidden;
   }
   throw std::runtime_error("no credible effect of a joint shows in " + made.recording);
@@ -128,7 +128,7 @@ void injectIntoPictures(const fs::path& from, bool nothing, const fs::path& to, 
   Warp warp;
   if (!nothing) {
     const Flaw flaw = choosePictureFlaw(chance);
-    made.hidden = {{flaw, 0.0, {}, "", 0.0}};
+    made.hidden = {{flaw, 0.0, {}, {}, "", 0.0}};
     if (flaw.effect == "target_scale") sayTarget(capture / "target.yaml", flaw[0]);
     if (flaw.effect == "principal_point") warp.shift = {flaw[0], flaw[1]};
     if (flaw.effect == "focal_length") {

@@ -14,6 +14,16 @@ bool isAt(const TrueEffect& effect, const std::string& location) {
                      [&](const std::string& alias) { return alias.ends_with("@" + location); });
 }
 
+/// Whether an effect is one of a finding's alternatives.
+bool namesBeside(const Finding& finding, const TrueEffect& effect) {
+  return std::any_of(finding.alternatives.begin(), finding.alternatives.end(), [&](const Named& other) { return effect.is(other.place()); });
+}
+
+/// Whether a finding is of what can hardly be told from an effect, and says that it may be that.
+bool namesItsClass(const Finding& finding, const TrueEffect& effect) {
+  return std::find(effect.close.begin(), effect.close.end(), finding.place()) != effect.close.end() && namesBeside(finding, effect);
+}
+
 Fate fateOf(const TrueEffect& effect, const std::vector<Finding>& findings) {
   Fate fate;
   for (const Finding& finding : findings) {
@@ -25,9 +35,8 @@ Fate fateOf(const TrueEffect& effect, const std::vector<Finding>& findings) {
     fate.right_place = fate.right_place || there;
     fate.unknown_there = fate.unknown_there || unknown;
     fate.unknown_driver = fate.unknown_driver || (unknown && finding.driver == effect.driver);
-    fate.among = fate.among || right || std::any_of(finding.alternatives.begin(), finding.alternatives.end(), [&](const Named& other) {
-                   return effect.is(other.place());
-                 });
+    fate.among = fate.among || right || namesBeside(finding, effect);
+    fate.in_class = fate.in_class || right || namesItsClass(finding, effect);
   }
   return fate;
 }
@@ -55,7 +64,9 @@ Verdict judge(const Truth& truth, const Answer& answer) {
     verdict.said.push_back(finding.place());
     const bool there =
         std::any_of(truth.effects.begin(), truth.effects.end(), [&](const TrueEffect& effect) { return effect.is(finding.place()); });
-    if (!there && finding.effect != kUnknown) ++verdict.wrong_names;
+    const bool in_class =
+        std::any_of(truth.effects.begin(), truth.effects.end(), [&](const TrueEffect& effect) { return namesItsClass(finding, effect); });
+    if (!there && !in_class && finding.effect != kUnknown) ++verdict.wrong_names;
     if (finding.effect != kUnknown) verdict.stated.push_back({probabilityOf(finding, truth), there});
   }
   verdict.extras = findings.size() > truth.effects.size() ? findings.size() - truth.effects.size() : 0;

@@ -106,6 +106,10 @@ void addLinkFlaws(std::vector<Flaw>& flaws, const Cell& cell, const Columns& col
                      },
                      true});
   }
+  // Axes that meet have nothing between them that could grow.
+  constexpr double kShortestLink = 0.01;  // [m]
+  const Frame& link = k + 1 < cell.arm.size() ? cell.arm.joints[k + 1].T_before : cell.arm.T_last_flange;
+  if (link.p.Norm() < kShortestLink) return;
   for (const Clock& clock : clocks(columns)) {
     flaws.push_back({"link_expansion",
                      place,

@@ -19,7 +19,7 @@ Finding finding(const std::string& effect, const std::string& location, const st
 Truth yieldingElbow() {
   Truth truth;
   truth.set = "single";
-  truth.effects = {{"joint_compliance", "joint:3", "tau3", 15.0, 0.0, 0.0, {"link_bending@link:2"}, {}}};
+  truth.effects = {{"joint_compliance", "joint:3", "tau3", 15.0, 0.0, 0.0, {"link_bending@link:2"}, {}, {}}};
   return truth;
 }
 
@@ -39,6 +39,19 @@ TEST(Judge, KnowsTheTrueOneAmongTheAlternatives) {
   const Verdict verdict = judge(yieldingElbow(), {{named}, {}, {}, 0, 0});
   EXPECT_FALSE(verdict.fates[0].right);
   EXPECT_TRUE(verdict.fates[0].among);
+}
+
+TEST(Judge, CountsWhatIsCloseAsOneWhereItIsNamedBesideTheFinding) {
+  Truth truth = yieldingElbow();
+  truth.effects[0].close = {"base_compliance@base"};
+  Finding named = finding("base_compliance", "base", "gravity");
+  EXPECT_FALSE(judge(truth, {{named}, {}, {}, 0, 0}).fates[0].in_class);
+  named.alternatives.push_back({"joint_compliance", "joint:3", 0.1});
+  const Verdict verdict = judge(truth, {{named}, {}, {}, 0, 0});
+  EXPECT_TRUE(verdict.fates[0].in_class);
+  EXPECT_FALSE(verdict.fates[0].right);
+  EXPECT_EQ(verdict.wrong_names, 0U);
+  EXPECT_FALSE(verdict.stated[0].true_);
 }
 
 TEST(Judge, TakesUnknownForNoName) {

@@ -192,7 +192,7 @@ void scatter(Case& made, Chance& chance) {
       const Leftover leftover(c.actual, c.shots, c.noise, false);
       Flaw flaw = jointScatter(c.actual, chance.index(c.actual.arm.size()), chance.index(1U << 30U));
       if (!scaleTo(S, leftover, flaw)) return false;
-      c.hidden = {{flaw, leftover.size(flaw), {}, "", 0.0}};
+      c.hidden = {{flaw, leftover.size(flaw), {}, {}, "", 0.0}};
       return true;
     });
   });
@@ -204,7 +204,7 @@ void scale(Case& made, Chance& chance) {
     return drawWith(made, {}, chance, [&](Case& c) {
       const Leftover leftover(c.actual, c.shots, c.noise, false);
       const Flaw flaw = targetScale(chance.sign() * chance.scale(0.01, 0.05));
-      c.hidden = {{flaw, leftover.size(flaw), {}, "", 0.0}};
+      c.hidden = {{flaw, leftover.size(flaw), {}, {}, "", 0.0}};
       return true;
     });
   });

@@ -68,6 +68,7 @@ Truth readTruth(const std::filesystem::path& file) {
     one.S = effect.at("S").get<double>();
     one.left_by_nearest = effect.at("left_by_nearest").get<double>();
     one.aliases = effect.at("aliases").get<std::vector<std::string>>();
+    one.close = effect.at("close").get<std::vector<std::string>>();
     if (one.effect == "target_scale") one.size = effect.at("parameters").at("scale").get<double>();
     one.parameters = contractParameters(one.effect, effect.at("parameters"));
     truth.effects.push_back(one);

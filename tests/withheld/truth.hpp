@@ -18,6 +18,7 @@ struct TrueEffect {
   double left_by_nearest = 0.0;      ///< S that the nearest other listed effect, no alias, leaves of it
   double size = 0.0;                 ///< of target_scale
   std::vector<std::string> aliases;  ///< places that are the same thing in this cell
+  std::vector<std::string> close;    ///< places that are less than 3.3 sigma from it in this capture
   /// By the contract's names, without those that say when or which.
   std::map<std::string, double> parameters;
   bool is(const std::string& place) const;

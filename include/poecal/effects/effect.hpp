@@ -33,7 +33,7 @@ enum class ParameterRole {
 struct EffectParameter {
   std::string name;
   std::string unit;      ///< "" for ratios and orders
-  double typical = 0.0;  ///< linear: 1 sigma of its size on real cells
+  double typical = 0.0;  ///< linear: 1 sigma of its size on real cells; of drifts, an EffectKind's is that of one hour
   ParameterRole role = ParameterRole::kLinear;
 };
 
