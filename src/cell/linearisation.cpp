@@ -178,8 +178,7 @@ PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layou
   if (layout.twists > 0 || layout.gamma >= 0) {
     const Matrix6d A = sign * adjoint(T_camera_base);
     if (layout.twists > 0) {
-      derivative.M.leftCols(layout.twists).noalias() =
-          A * twistJacobian(*state.reference, state.beta, *state.cell.arm, chain, q);
+      derivative.M.leftCols(layout.twists).noalias() = A * twistJacobian(*state.reference, state.beta, *state.cell.arm, chain, q);
     }
     if (layout.gamma >= 0) derivative.M.middleCols<6>(layout.gamma).noalias() = A * adjoint(chain.P.back());
   }

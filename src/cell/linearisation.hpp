@@ -61,8 +61,8 @@ struct PoseDerivative {
 PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation);
 /// @param chain  the cell's arm there; where neither twists nor gamma are free, its T_base_flange is enough.
 PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Observation& observation, const ArmChain& chain);
-/// @param registration  with what disturbs it, as the chain and q are; the derivative is by that of the state. Columns of the near transform
-/// are those of a left perturbation of what is given.
+/// @param registration  with what disturbs it, as the chain and q are; the derivative is by that of the state. Columns of the near
+/// transform are those of a left perturbation of what is given.
 PoseDerivative evaluatePose(const CellState& state, const ParameterLayout& layout, const Registration& registration, const ArmChain& chain,
                             const Eigen::VectorXd& q);
 /// In a cell that is disturbed.

@@ -150,9 +150,9 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
   for (const ObservationRows& part : all.observations) {
     all.r.segment(part.begin, part.size) = part.rows.r;
     const std::size_t k = part.context.number;
-    const PoseDerivative pose =
-        state.effects.empty() ? evaluatePose(state.cell, layout, measured.observations[k], part.context.chain)
-                              : evaluatePose(state.cell, layout, measured.samples[k], disturbanceOf(state.effects, part.context));
+    const PoseDerivative pose = state.effects.empty()
+                                    ? evaluatePose(state.cell, layout, measured.observations[k], part.context.chain)
+                                    : evaluatePose(state.cell, layout, measured.samples[k], disturbanceOf(state.effects, part.context));
     all.J.block(part.begin, 0, part.size, layout.pose_parameters) = part.rows.H * pose.M;
     if (layout.intrinsics >= 0) all.J.block(part.begin, layout.intrinsics, part.size, part.rows.K.cols()) = part.rows.K;
   }

@@ -71,7 +71,6 @@ struct Spectrum {
   }
 };
 
-
 std::size_t largest(const std::vector<double>& values) {
   return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
 }
@@ -169,7 +168,8 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
   };
   ExactEvidence exact;
   exact.scale = screened.scale;
-  exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(screened.scale), &linear.noise, kPrecision);
+  exact.noise =
+      estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(screened.scale), &linear.noise, kPrecision);
   const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
   std::vector<ColumnPrior> priors{base.joinedWith(prior(screened.scale))};
   for (const double scale : evidenceScales()) priors.push_back(base.joinedWith(prior(scale)));

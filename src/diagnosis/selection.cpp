@@ -102,9 +102,8 @@ class Ranker {
   /// Whether an effect of a size that is met on real cells could be seen. What could not is, beside another finding, mostly what that one
   /// does not follow.
   bool isTestable(const Ranking& ranking, const std::vector<std::size_t>& members) const {
-    return std::any_of(members.begin(), members.end(), [&](std::size_t i) {
-      return !candidates_[i].known() || smallestSeen(ranking.screened[i].clearest) <= kAbsurdSize;
-    });
+    return std::any_of(members.begin(), members.end(),
+                       [&](std::size_t i) { return !candidates_[i].known() || smallestSeen(ranking.screened[i].clearest) <= kAbsurdSize; });
   }
 
   /// Slips that stand out, at the times around their best one that were not tried yet.

@@ -90,7 +90,8 @@ TEST_P(AdjustmentOf, DerivativesMatchCentralDifferences) {
         r[side] = moved_rows.r;
       }
       const Eigen::VectorXd numeric = (r[1] - r[0]) / (2.0 * kStep);  // r is measured - model
-      EXPECT_THAT(Eigen::VectorXd(J.col(k)), test::IsNear(numeric, 1e-5 * (1.0 + numeric.norm()))) << parameterNames(cell, free)[static_cast<std::size_t>(k)];
+      EXPECT_THAT(Eigen::VectorXd(J.col(k)), test::IsNear(numeric, 1e-5 * (1.0 + numeric.norm())))
+          << parameterNames(cell, free)[static_cast<std::size_t>(k)];
     }
   }
 }
@@ -122,7 +123,8 @@ TEST_P(AdjustmentOf, DerivativesOfADisturbedPoseMatchCentralDifferences) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, AdjustmentOf,
-                         ::testing::Values(Case{"RRRRRR", Setup::kEyeToHand}, Case{"RRRRRR", Setup::kEyeInHand}, Case{"RRPR", Setup::kEyeToHand}));
+                         ::testing::Values(Case{"RRRRRR", Setup::kEyeToHand}, Case{"RRRRRR", Setup::kEyeInHand},
+                                           Case{"RRPR", Setup::kEyeToHand}));
 
 TEST(Adjustment, DerivativeOfAPoseMatchesCentralDifferences) {
   constexpr double kStep = 1e-6;

@@ -47,6 +47,19 @@ TEST(Catalogue, EveryKindExplainsItself) {
   }
 }
 
+TEST(Catalogue, DriftsAreSmallerPerKelvinThanPerHour) {
+  Rng rng = test::rngOfThisTest();
+  const Cell cell = test::richCell(rng).cell;
+  const auto of = [&cell](const char* driver) {
+    return makeEffect({.effect = "link_expansion", .location = "link:2", .parameters = {}, .driver = driver}, cell).effect.parameters()[0];
+  };
+  EXPECT_EQ(of("stamp").unit, "1/h");
+  EXPECT_EQ(of("temperature").unit, "1/K");
+  // Steel and aluminium grow by 1.2e-5 and 2.3e-5 per kelvin.
+  EXPECT_NEAR(of("temperature").typical, 2e-5, 1e-20);
+  EXPECT_NEAR(of("stamp").typical, 2e-4, 1e-20);
+}
+
 std::string errorOf(const EffectSpec& spec) {
   Rng rng = test::rngOfThisTest();
   const test::RichCell rich = test::richCell(rng);

@@ -16,7 +16,8 @@ bool isAt(const TrueEffect& effect, const std::string& location) {
 
 /// Whether an effect is one of a finding's alternatives.
 bool namesBeside(const Finding& finding, const TrueEffect& effect) {
-  return std::any_of(finding.alternatives.begin(), finding.alternatives.end(), [&](const Named& other) { return effect.is(other.place()); });
+  return std::any_of(finding.alternatives.begin(), finding.alternatives.end(),
+                     [&](const Named& other) { return effect.is(other.place()); });
 }
 
 /// Whether a finding is of what can hardly be told from an effect, and says that it may be that.

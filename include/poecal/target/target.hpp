@@ -34,14 +34,14 @@ struct TargetTag {
 
 struct Target {
   TargetType type = TargetType::kAprilTag;
-  std::string family;           ///< apriltag and aprilgrid
-  std::vector<TargetTag> tags;  ///< apriltag, and aprilgrid written out
-  int cols = 0, rows = 0;       ///< charuco: squares; chessboard: inner corners; aprilgrid: tags
-  double square = 0.0;          ///< charuco, chessboard [m]
-  double marker = 0.0;          ///< charuco [m]
-  std::string dictionary;       ///< charuco, OpenCV's name
-  double tag_spacing = 0.0;     ///< aprilgrid: gap between tags / tag size
-  int first_id = 0;             ///< aprilgrid
+  std::string family;               ///< apriltag and aprilgrid
+  std::vector<TargetTag> tags;      ///< apriltag, and aprilgrid written out
+  int cols = 0, rows = 0;           ///< charuco: squares; chessboard: inner corners; aprilgrid: tags
+  double square = 0.0;              ///< charuco, chessboard [m]
+  double marker = 0.0;              ///< charuco [m]
+  std::string dictionary;           ///< charuco, OpenCV's name
+  double tag_spacing = 0.0;         ///< aprilgrid: gap between tags / tag size
+  int first_id = 0;                 ///< aprilgrid
   std::vector<TargetPoint> points;  ///< every named point, sorted by id
 
   /// The point, or nullptr where the target has none of that name.
