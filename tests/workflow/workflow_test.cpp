@@ -116,6 +116,26 @@ TEST_F(Workflow, SearchesOnlyThePartWhosePictureChanged) {
   EXPECT_NE(readTextFile(part(3)), third);
 }
 
+TEST_F(Workflow, TablesTheOthersWhereOneCaptureFails) {
+  simulate("good", test::SmallCell::kPictures, 8);
+  simulate("bad", test::SmallCell::kPictures, 8);
+  configure({"bad", "good"});
+  const fs::path target = path("captures/bad/target.yaml");
+  const std::string right = readTextFile(target);
+  writeTextFile(target, "type: none\n");
+  const std::string local = "--profile '" + std::string(kWorkflow) + "/profiles/local' --cores 2";
+  EXPECT_NE(snakemake(local).status, 0);
+  EXPECT_TRUE(fs::exists(path("results/good/registration.yaml")));
+  ASSERT_TRUE(fs::exists(path("results/fleet.csv")));
+  EXPECT_THAT(readTextFile(path("results/fleet.csv")), HasSubstr("good"));
+  writeTextFile(target, right);
+  snakemakeWell();
+  const std::string both = readTextFile(path("results/fleet.csv"));
+  run("fleet results/bad results/good --out again.csv");
+  EXPECT_EQ(both, readTextFile(path("again.csv")));
+  EXPECT_TRUE(fs::exists(path("results/bad/registration.yaml")));
+}
+
 TEST_F(Workflow, SaysWhatTheConfigurationLacks) {
   folder_.write("fleet.yaml", "results: results\n");
   const test::ProgramRun result = snakemake("--cores 1");
