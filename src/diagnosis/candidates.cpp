@@ -346,20 +346,25 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
   return list;
 }
 
+std::optional<Eigen::Index> Candidate::slipTime() const {
+  const std::optional<std::size_t> scan = known() ? scannedParameter(*effect) : std::nullopt;
+  if (!scan || effect->parameters()[*scan].name != "time") return {};
+  return static_cast<Eigen::Index>(*scan);
+}
+
 std::vector<Candidate> untriedTimes(const Candidate& slip, const std::vector<Sample>& samples) {
-  const std::optional<std::size_t> scan = slip.known() ? scannedParameter(*slip.effect) : std::nullopt;
-  if (!scan || slip.effect->parameters()[*scan].name != "time") return {};
+  const std::optional<Eigen::Index> time = slip.slipTime();
+  if (!time) return {};
   const std::vector<double> times = slipTimes(samples);
   const std::vector<std::size_t> tried = triedTimes(times.size());
-  const auto time = static_cast<Eigen::Index>(*scan);
-  const auto at = std::find_if(tried.begin(), tried.end(), [&](std::size_t k) { return times[k] == slip.parameters(time); });
+  const auto at = std::find_if(tried.begin(), tried.end(), [&](std::size_t k) { return times[k] == slip.parameters(*time); });
   if (at == tried.end()) return {};
   const std::size_t low = at == tried.begin() ? *at : *(at - 1) + 1, high = at + 1 == tried.end() ? *at + 1 : *(at + 1);
   std::vector<Candidate> all;
   for (std::size_t k = low; k < high; ++k) {
     if (k == *at) continue;
     all.push_back(slip);
-    all.back().parameters(time) = times[k];
+    all.back().parameters(*time) = times[k];
   }
   return all;
 }

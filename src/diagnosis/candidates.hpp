@@ -47,6 +47,8 @@ struct Candidate {
   double log_prior = 0.0;   ///< share among all explanations
 
   bool known() const { return effect.has_value(); }
+  /// Which of `parameters` says when a slip was; nothing for other candidates.
+  std::optional<Eigen::Index> slipTime() const;
   /// Number of columns that stand by themselves: all but what wrongly stated masses leave out.
   Eigen::Index own() const { return mass_errors ? static_cast<Eigen::Index>(linear.size()) : typical.size(); }
   /// 1 sigma of each column's factor for an effect of `scale` times its typical size. Stated masses are off by a share of themselves: what

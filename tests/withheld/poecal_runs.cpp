@@ -20,8 +20,9 @@ namespace fs = std::filesystem;
 
 double seconds(const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); }
 
-/// Runs `poecal COMMAND INPUT... --out OUT --quiet --jobs 1` unless `result` is there.
-bool runOnce(const std::string& poecal, const std::string& command, const fs::path& folder, const fs::path& out, const fs::path& result) {
+/// Runs `poecal COMMAND INPUT... --out OUT --quiet --jobs 1` with more options unless `result` is there.
+bool runOnce(const std::string& poecal, const std::string& command, const fs::path& folder, const fs::path& out, const fs::path& result,
+             const std::vector<std::string>& more = {}) {
   if (fs::exists(result)) return true;
   fs::create_directories(out);
   std::vector<std::string> arguments = {poecal, command};
@@ -32,9 +33,17 @@ bool runOnce(const std::string& poecal, const std::string& command, const fs::pa
     arguments.push_back((folder / "capture").string());
   }
   arguments.insert(arguments.end(), {"--out", out.string(), "--quiet", "--jobs", "1"});
+  arguments.insert(arguments.end(), more.begin(), more.end());
   const Run run = runProgram(arguments, out / "log");
   std::ofstream(out / "seconds") << run.seconds << '\n';
   return run.status == 0 && fs::exists(result);
+}
+
+/// Whether the lens is given without deviations.
+bool lensIsStated(const fs::path& folder) {
+  std::ifstream in(folder / "capture" / "camera.yaml");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  return !text.empty() && text.find("standard_deviation") == std::string::npos;
 }
 
 struct Pixel {
@@ -84,8 +93,12 @@ Run runProgram(const std::vector<std::string>& arguments, const fs::path& log) {
 
 bool diagnose(const std::string& poecal, const fs::path& folder, bool identify_too) {
   const bool answered = runOnce(poecal, "diagnose", folder, folder / "out", folder / "out" / "diagnosis.json");
-  if (identify_too && fs::exists(folder / "unseen"))
-    runOnce(poecal, "identify", folder, folder / "identified", folder / "identified" / "model.yaml");
+  if (identify_too && fs::exists(folder / "unseen")) {
+    // What a diagnosis calls identified has the lens that was stated; left to itself, identify may fit a wrong one again.
+    std::vector<std::string> lens;
+    if (lensIsStated(folder)) lens = {"--camera", "stated"};
+    runOnce(poecal, "identify", folder, folder / "identified", folder / "identified" / "model.yaml", lens);
+  }
   return answered;
 }
 

@@ -17,8 +17,8 @@ Run runProgram(const std::vector<std::string>& arguments, const std::filesystem:
 
 /// `poecal diagnose capture --out out`, for a case of measured poses `poecal diagnose --robot poses/robot.yaml --poses poses/poses.csv
 /// --out out`, unless its answer is there; processor time is kept in out/seconds. Where there are poses to predict and identify_too, also
-/// `poecal identify capture
-/// --out identified`, the model that stands before the findings.
+/// `poecal identify capture --out identified` with the lens held where it is given without deviations: the geometric model that stands
+/// before the findings.
 /// @return whether there is an answer
 bool diagnose(const std::string& poecal, const std::filesystem::path& folder, bool identify_too = true);
 
