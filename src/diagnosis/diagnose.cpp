@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "diagnosis/ladder.hpp"
+#include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
 #include "diagnosis/selection.hpp"
 #include "identification/fit.hpp"

@@ -158,6 +158,12 @@ void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearise
   linear.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, linear.columns, linear.column_prior, &from);
 }
 
+WhiteResidual whiteResidual(const Linearised& linear) {
+  WhiteResidual white{Whitening(linear.rows, linear.components, linear.noise.theta), {}};
+  white.e = white.whitening.apply(linear.residual());
+  return white;
+}
+
 ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, const Evidence& screened) {
   const Eigen::MatrixXd columns = columnsOf(candidate, linear.rows);
   Eigen::MatrixXd extra(linear.rows.size(), linear.columns.cols() + columns.cols());

@@ -39,6 +39,13 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
 /// The noise of a linearisation, from an earlier estimate where there is one.
 void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearised& linear);
 
+/// Residuals of a linearisation in units of their noise.
+struct WhiteResidual {
+  Whitening whitening;
+  Eigen::VectorXd e;
+};
+WhiteResidual whiteResidual(const Linearised& linear);
+
 /// What the rows say of one explanation.
 struct Evidence {
   double log_bayes = 0.0;    ///< against none, averaged over sizes from a thirtieth to a hundred times the typical

@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "diagnosis/refit.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/registration/target_pose.hpp"
 

@@ -1,7 +1,7 @@
+#include "diagnosis/refit.hpp"
+
 #include <algorithm>
 #include <cmath>
-
-#include "diagnosis/selection.hpp"
 
 namespace poecal {
 namespace {

@@ -6,35 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/evidence.hpp"
+#include "diagnosis/ranking.hpp"
 
 namespace poecal {
-
-/// One answer with all its scanned parameters, and how the rows speak for it.
-struct RankedAnswer {
-  std::string name, location, driver;
-  double log_weight = 0.0;  ///< log of prior share times evidence, summed over scanned parameters; against none
-  double log_bayes = 0.0;   ///< evidence of the best instance, with the noise estimated beside it where `exact` is filled
-  double chi_square = 0.0;
-  std::optional<Candidate> candidate = {};  ///< its best instance, or
-  std::optional<std::size_t> scatter = {};  ///< the joint that moves at random
-  Evidence screened = {};                   ///< of the best instance
-  std::optional<ExactEvidence> exact = {};
-};
-
-/// All answers, best first, with what the others are worth.
-struct Ranking {
-  std::vector<RankedAnswer> answers;
-  double log_total = 0.0;          ///< log of the sum of all weights against none
-  std::vector<Evidence> screened;  ///< of the candidates, in their order
-
-  /// Sets log_total.
-  void sumUp();
-  /// Posterior share of an answer among all, none included.
-  double probability(std::size_t answer) const;
-  /// Bound of the probability that none would look so (Ville): 1 / total evidence.
-  double pValue() const;
-};
 
 /// One thing that was found.
 struct FoundEffect {
@@ -68,10 +42,5 @@ struct SearchLimits {
 /// start unless they are a run in time.
 Selection selectEffects(const MeasuredCell& measured, const ModelState& state, const std::vector<std::size_t>& wild,
                         const SearchLimits& limits);
-
-/// A state re-fitted with what was accepted, at a noise: Gauss-Newton on the exact residuals.
-/// @param groups  poses to fit; empty: all.
-Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Accepted> accepted, const std::vector<std::size_t>& scatter,
-                 const NoiseEstimate& noise, const std::vector<std::vector<std::size_t>>& groups, bool new_noise);
 
 }  // namespace poecal

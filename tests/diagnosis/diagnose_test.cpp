@@ -110,6 +110,22 @@ TEST(Diagnose, CurveWithoutANameIsInTheModelAndServesPosesThatNobodySaw) {
   EXPECT_LT(with - noise, 0.25 * (std::pow(rmsOf(without, whole, kSeen), 2) - noise));
 }
 
+// One pose of 240 falls between a slip and the middle of the two pictures that it lies between: of 60 other poses, in one capture of five
+// there is such a pose, off by all of the slip.
+TEST(Diagnose, ShrinkageOfASlipAllowsForAPoseOnItsWrongSide) {
+  const EffectSpec slip{"camera_slip", "camera.mount", {{"time", 905.0}, {"rx", 6e-3}, {"ty", 6e-3}}};
+  const test::SmallCell small = test::smallCell(2, kPoses, kSigma, {slip});
+  const auto before = static_cast<double>(
+      std::count_if(small.samples.begin(), small.samples.end(), [](const Sample& sample) { return *sample.stamp < 905.0; }));
+  const double share = before / kPoses;
+  const Diagnosis diagnosis = small.diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1));
+  EXPECT_GT(diagnosis.shrinkage.value, 0.95);
+  // Who does not know of the slip is off by share (1 - share) of its square in the mean. Which poses fall into a sample of them scatters that.
+  const double one_pose = 1.0 / kPoses / (share * (1.0 - share));
+  EXPECT_NEAR(diagnosis.shrinkage.interval.first, 1.0 - std::sqrt(one_pose), 0.1);
+}
+
 TEST(Diagnose, WildRowsAreListedAndNothingElse) {
   test::SmallCell small = test::smallCell(5, kPoses, kSigma, {});
   for (const std::size_t k : {std::size_t{7}, std::size_t{31}}) {

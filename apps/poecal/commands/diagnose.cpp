@@ -16,7 +16,7 @@ Example:
     where: joint:6, driven by q5
     which: joint_coupling: another joint's motion leaks into this one (100 % sure)
            ratio 0.0009826 +- 5.9e-05, source 5
-    how far: the gap shrinks by 61 % (44 % to 100 %)
+    how far: the gap shrinks by 67 % (53 % to 77 %)
     what to do: enter the coupling ratio of the wrist's gears in the controller
 )";
 

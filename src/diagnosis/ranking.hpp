@@ -1,0 +1,49 @@
+// All explanations beside each other: how the rows speak for each, and which of them to name.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/evidence.hpp"
+
+namespace poecal {
+
+/// Share of an explanation's chi-square that its own imprecision may leave: 7 % of its size.
+constexpr double kRelativeMisfit = 0.005;
+
+/// One answer with all its scanned parameters, and how the rows speak for it.
+struct RankedAnswer {
+  std::string name, location, driver;
+  double log_weight = 0.0;  ///< log of prior share times evidence, summed over scanned parameters; against none
+  double log_bayes = 0.0;   ///< evidence of the best instance, with the noise estimated beside it where `exact` is filled
+  double chi_square = 0.0;
+  std::optional<Candidate> candidate = {};  ///< its best instance, or
+  std::optional<std::size_t> scatter = {};  ///< the joint that moves at random
+  Evidence screened = {};                   ///< of the best instance
+  std::optional<ExactEvidence> exact = {};
+};
+
+/// All answers, best first, with what the others are worth.
+struct Ranking {
+  std::vector<RankedAnswer> answers;
+  double log_total = 0.0;          ///< log of the sum of all weights against none
+  std::vector<Evidence> screened;  ///< of the candidates, in their order
+
+  /// Sets log_total.
+  void sumUp();
+  /// Posterior share of an answer among all, none included.
+  double probability(std::size_t answer) const;
+  /// Bound of the probability that none would look so (Ville): 1 / total evidence.
+  double pValue() const;
+};
+
+/// Ranks all explanations at a linearisation that has its noise.
+/// @param curves  whether curves of unknown shape may be answers. @param taken  answers that are in the linearisation already.
+Ranking rank(const MeasuredCell& measured, const std::vector<Candidate>& candidates, bool curves, const Linearised& linear,
+             const std::vector<std::string>& taken);
+
+/// The answer to give: the best, but a named one that a curve beats only by what its own imprecision leaves.
+std::size_t chosenAnswer(const Ranking& ranking);
+
+}  // namespace poecal
