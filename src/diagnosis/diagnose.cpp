@@ -199,6 +199,13 @@ std::string rungName(const Selection& selection, const std::vector<std::size_t>&
   return name;
 }
 
+/// Whether a finding serves poses that its fit did not see. What is beyond doubt need only not harm them: an effect that shows in a few
+/// poses gains too little in the mean of all to stand out of their scatter.
+bool servesOthers(const FoundEffect& found, double gain) {
+  constexpr double kBeyondChance = 1.96, kBeyondDoubt = 20.0;
+  return gain > (found.log_bayes > kBeyondDoubt ? 0.0 : kBeyondChance);
+}
+
 /// The ladder, and how much each finding shrinks the excess. @return for each finding whether it serves poses that its fit did not see.
 std::vector<bool> climb(const Selection& selection, const Identification& identification, const DiagnoseOptions& options,
                         Diagnosis& diagnosis) {
@@ -223,7 +230,7 @@ std::vector<bool> climb(const Selection& selection, const Identification& identi
     }
     const Rung without = others.empty() ? rungs[kIdentified] : ladder.rungWith("", others);
     diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : ladder.shrinkage(without, rungs.back());
-    serves.push_back(ladder.serves(without, rungs.back()));
+    serves.push_back(servesOthers(selection.findings[i], ladder.gain(without, rungs.back())));
   }
   return serves;
 }

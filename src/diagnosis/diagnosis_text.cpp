@@ -43,6 +43,15 @@ std::string sizes(const Finding& finding) {
   return text;
 }
 
+std::string howFar(const Shrinkage& shrinkage) {
+  constexpr double kWorthwhile = 0.05;
+  const std::string range = fmt::format("({} to {})", percent(shrinkage.interval.first), percent(shrinkage.interval.second));
+  if (shrinkage.claimed()) return fmt::format("  how far: the gap shrinks by {} {}\n", percent(shrinkage.value), range);
+  if (shrinkage.interval.second > kWorthwhile)
+    return fmt::format("  how far: these poses do not tell {}: too few of them show it\n", range);
+  return "  how far: no smaller on poses that the fit did not see; the twists had swallowed it\n";
+}
+
 std::string findingText(const Finding& finding) {
   constexpr std::size_t kMostSizes = 8;
   std::string text = fmt::format("  where: {}, driven by {}\n", finding.location, finding.driver);
@@ -59,10 +68,7 @@ std::string findingText(const Finding& finding) {
   }
   const bool random = finding.effect == "joint_scatter";  // no model foretells it; poses that it spoils less can count for more
   if (finding.effect != "bad_samples" && !(random && !finding.shrinkage.claimed())) {
-    text += finding.shrinkage.claimed()
-                ? fmt::format("  how far: the gap shrinks by {} ({} to {})\n", percent(finding.shrinkage.value),
-                              percent(finding.shrinkage.interval.first), percent(finding.shrinkage.interval.second))
-                : std::string("  how far: no smaller on poses that the fit did not see; the twists had swallowed it\n");
+    text += howFar(finding.shrinkage);
   }
   if (!finding.remedy.empty()) text += fmt::format("  what to do: {}\n", finding.remedy);
   if (!finding.separate_with.empty()) text += fmt::format("  to tell them apart: {}\n", finding.separate_with);

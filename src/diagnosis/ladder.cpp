@@ -312,8 +312,7 @@ Shrinkage Ladder::shrinkage(const Rung& before, const Rung& last) const {
   return shrinkage;
 }
 
-bool Ladder::serves(const Rung& before, const Rung& last) const {
-  constexpr double kQuantile = 1.96;
+double Ladder::gain(const Rung& before, const Rung& last) const {
   double sum = 0.0, squares = 0.0;
   for (std::size_t g = 0; g < before.poses.size(); ++g) {
     const double gain = before.poses[g].squares - last.poses[g].squares;
@@ -321,7 +320,7 @@ bool Ladder::serves(const Rung& before, const Rung& last) const {
     squares += gain * gain;
   }
   const double variance = squares - sum * sum / static_cast<double>(before.poses.size());
-  return sum > kQuantile * std::sqrt(std::max(0.0, variance));
+  return variance > 0.0 ? sum / std::sqrt(variance) : 0.0;
 }
 
 double Ladder::noiseRms(const Rung& last) const {

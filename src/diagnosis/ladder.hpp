@@ -41,9 +41,9 @@ class Ladder {
   /// 1 - excess(last) / excess(before), and where it lies 95 times in 100 on other poses, 60 or as many as there are: bootstrap of the
   /// poses, with the whole model's parameters drawn from their covariance. Only where there are findings.
   Shrinkage shrinkage(const Rung& before, const Rung& last) const;
-  /// Whether these poses themselves are better off with the last rung than with the other, beyond the chance of 2.5 %: their mean
-  /// difference of squares in its standard error.
-  bool serves(const Rung& before, const Rung& last) const;
+  /// How much better off these poses themselves are with the last rung than with the other: their mean difference of squares in standard
+  /// errors.
+  double gain(const Rung& before, const Rung& last) const;
   /// What single points are off by chance.
   double noiseRms(const Rung& last) const;
 

@@ -121,7 +121,8 @@ TEST(Diagnose, ShrinkageOfASlipAllowsForAPoseOnItsWrongSide) {
   const Diagnosis diagnosis = small.diagnosis();
   ASSERT_THAT(diagnosis.findings, SizeIs(1));
   EXPECT_GT(diagnosis.shrinkage.value, 0.95);
-  // Who does not know of the slip is off by share (1 - share) of its square in the mean. Which poses fall into a sample of them scatters that.
+  // Who does not know of the slip is off by share (1 - share) of its square in the mean. Which poses fall into a sample of them scatters
+  // that.
   const double one_pose = 1.0 / kPoses / (share * (1.0 - share));
   EXPECT_NEAR(diagnosis.shrinkage.interval.first, 1.0 - std::sqrt(one_pose), 0.1);
 }
