@@ -105,6 +105,18 @@ int CaptureRows::groupSize(std::size_t g) const {
   return size;
 }
 
+Eigen::VectorXd squareWeights(const CaptureRows& rows) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(rows.size());
+  for (const ObservationRows& part : rows.observations) {
+    const bool pose = part.rows.unit_size != 2;
+    for (Eigen::Index n = pose && part.size == 6 ? 3 : 0; n < part.size; ++n) {
+      const std::size_t unit = pose ? 0 : static_cast<std::size_t>(n / 2);
+      if (part.rows.valid[unit]) weights(part.begin + n) = part.unit_sigma[unit] * part.unit_sigma[unit];
+    }
+  }
+  return weights;
+}
+
 PlainSight plainSight(const MeasuredCell& measured, const ModelState& state, const ObservationRows& part) {
   return plainSight(state.cell.cell, measured.observations[part.context.number], disturbanceOf(state.effects, part.context));
 }

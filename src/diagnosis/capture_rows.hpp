@@ -79,6 +79,9 @@ struct PlainSight {
 };
 PlainSight plainSight(const MeasuredCell& measured, const ModelState& state, const ObservationRows& part);
 
+/// What each row is worth in the squares of its pose: of a corner its deviation squared, of a pose that of its position alone.
+Eigen::VectorXd squareWeights(const CaptureRows& rows);
+
 /// Rows of a subset of the groups (all where `groups` is empty).
 CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups);
 

@@ -88,8 +88,8 @@ struct Sight {
 
 std::map<std::pair<std::string, std::string>, Sight> sights(const Selection& selection) {
   std::map<std::pair<std::string, std::string>, Sight> all;
-  for (std::size_t i = 0; i < selection.candidates.size(); ++i) {
-    const Candidate& candidate = selection.candidates[i];
+  for (std::size_t i = 0; i < selection.base_candidates.size(); ++i) {
+    const Candidate& candidate = selection.base_candidates[i];
     if (!candidate.known()) continue;
     Sight& sight = all[{candidate.name, candidate.location}];
     const auto first = static_cast<std::size_t>(candidate.linear.front());
@@ -314,8 +314,8 @@ void tellRemaining(const Selection& selection, Diagnosis& diagnosis) {
 void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
   const auto seen = sights(selection);
   std::map<std::string, Explained> answers;
-  for (std::size_t i = 0; i < selection.candidates.size(); ++i) {
-    const Candidate& candidate = selection.candidates[i];
+  for (std::size_t i = 0; i < selection.base_candidates.size(); ++i) {
+    const Candidate& candidate = selection.base_candidates[i];
     const Evidence& evidence = selection.base_evidence[i];
     Explained& explained = answers[candidate.answer()];
     if (!explained.effect.empty() && explained.log_evidence > evidence.log_bayes) continue;
@@ -351,23 +351,17 @@ void tellBad(const Selection& selection, const std::vector<Observation>& observa
   finding.probability = 1.0;
   finding.p_value = 1e-9;
   finding.remedy = effectKind("bad_samples").remedy;
-  Cell cell = selection.linear.state.cell.cell;
-  for (const std::size_t k : selection.bad) {
-    double sum = 0.0;
-    int count = 0;
-    for (const UnitResidual& unit : residuals(cell, observations[k])) {
-      const double square = observations[k].pose ? unit.residual.tail<3>().squaredNorm() : unit.residual.squaredNorm();
-      if (!std::isfinite(square)) continue;
-      sum += square;
-      ++count;
-    }
-    const std::size_t sample = observations[k].sample;
-    diagnosis.bad_samples.push_back({sample, count > 0 ? std::sqrt(sum / count) : 0.0});
+  for (std::size_t i = 0; i < selection.bad.size(); ++i) {
+    const std::size_t sample = observations[selection.bad[i]].sample;
+    diagnosis.bad_samples.push_back({sample, selection.bad_rms[i]});
     finding.images.push_back(samples[sample].image.empty() ? fmt::format("line {}", samples[sample].line) : samples[sample].image);
   }
   finding.parameters["share"] = static_cast<double>(selection.bad.size()) / static_cast<double>(observations.size());
   finding.units["share"] = "";
-  diagnosis.findings.push_back(std::move(finding));
+  // A tag that was fitted a few hundredths of a pixel off is left out, but its joints and picture do belong together.
+  constexpr double kWrong = 0.1;  // [px]
+  const double worst = *std::max_element(selection.bad_rms.begin(), selection.bad_rms.end());
+  if (!diagnosis.pixels || worst > kWrong) diagnosis.findings.push_back(std::move(finding));
 }
 
 /// An effect with what was estimated of it: the deviations of its linear parameters, one after the other.

@@ -30,19 +30,6 @@ struct Sums {
   double shrinkage() const { return excess() > 0.0 ? 1.0 - std::sqrt(last_expected / points / excess()) : 0.0; }
 };
 
-/// What each row is worth in the squares of its pose: of a corner its deviation squared, of a pose that of its position alone.
-Eigen::VectorXd squareWeights(const CaptureRows& rows) {
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(rows.size());
-  for (const ObservationRows& part : rows.observations) {
-    const bool pose = part.rows.unit_size != 2;
-    for (Eigen::Index n = pose && part.size == 6 ? 3 : 0; n < part.size; ++n) {
-      const std::size_t unit = pose ? 0 : static_cast<std::size_t>(n / 2);
-      if (part.rows.valid[unit]) weights(part.begin + n) = part.unit_sigma[unit] * part.unit_sigma[unit];
-    }
-  }
-  return weights;
-}
-
 /// Squares of each pose that the uncertainty of a fit to all others makes: with P = X Cov X' of the pose by the whole fit and C its noise,
 /// leaving it out gives P + P (C - P)^-1 P.
 std::vector<double> expectedSquares(const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
@@ -18,11 +17,9 @@ constexpr double kNeeded = 2.5;  // of each of several, with all others in
 
 class Selector {
  public:
-  Selector(const MeasuredCell& measured, const ModelState& state, const SearchLimits& limits) : limits_(limits) {
-    selection_.measured = measured;
+  Selector(const MeasuredCell& measured, const ModelState& state, const SearchLimits& limits) : given_(measured), limits_(limits) {
     selection_.base = state;
-    selection_.kept.resize(measured.observations.size());
-    std::iota(selection_.kept.begin(), selection_.kept.end(), 0);
+    useTheRest();
   }
 
   Selection run(const std::vector<std::size_t>& wild) {
@@ -37,6 +34,7 @@ class Selector {
       const Ranking ranking = ranked(linear_);
       if (selection_.findings.empty()) {
         selection_.base_evidence = ranking.screened;
+        selection_.base_candidates = selection_.candidates;
         selection_.base_ranking = ranking;
       }
       if (selection_.findings.size() < limits_.most && accept(ranking)) {
@@ -44,13 +42,14 @@ class Selector {
         continue;
       }
       // What stands out now does so beside every explanation.
-      if (!dropBad(kWildAtLast)) break;
+      if (!dropBad(kWildAtLast) && !takeBack()) break;
       listCandidates();
       if (selection_.findings.empty()) {
         selection_.base = linear_.state;
         selection_.base_noise = linear_.noise;
       }
     }
+    tellBad();
     selection_.linear = std::move(linear_);
     return std::move(selection_);
   }
@@ -261,27 +260,37 @@ class Selector {
     return any;
   }
 
+  /// Sum of squares of each pose's residuals in units of their noise.
+  static std::vector<double> squaresOf(const Whitening& whitening, const Eigen::VectorXd& e) {
+    std::vector<double> squares;
+    for (std::size_t g = 0; g < whitening.poses(); ++g) squares.push_back(e.segment(whitening.begin(g), whitening.size(g)).squaredNorm());
+    return squares;
+  }
+
+  /// What a number's square usually comes to in units of its noise, whatever wild poses there are.
+  double usualSquare() const {
+    const WhiteResidual white = whiteResidual(linear_);
+    std::vector<double> means = squaresOf(white.whitening, white.e);
+    for (std::size_t g = 0; g < means.size(); ++g) means[g] /= white.whitening.size(g);
+    return std::max(1e-12, median(means)) / 0.9;
+  }
+
+  static bool isWild(double square, int size, double usual, const Wild& wild) {
+    return square / size / usual > wild.mean_square && chiSquareTail(square / usual, size) < wild.probability;
+  }
+
   std::vector<std::size_t> wildPoses(const Wild& wild) const {
     const WhiteResidual white = whiteResidual(linear_);
-    std::vector<double> mean_squares;
-    std::vector<double> chances;
-    for (std::size_t g = 0; g < white.whitening.poses(); ++g) {
-      const int size = white.whitening.size(g);
-      const double square = white.e.segment(white.whitening.begin(g), size).squaredNorm();
-      mean_squares.push_back(square / size);
-      chances.push_back(square);
-    }
-    const double usual = std::max(1e-12, median(mean_squares)) / 0.9;
+    const std::vector<double> squares = squaresOf(white.whitening, white.e);
+    const double usual = usualSquare();
     std::vector<std::size_t> bad;
-    for (std::size_t g = 0; g < mean_squares.size(); ++g) {
-      const double relative = mean_squares[g] / usual;
-      const double tail = chiSquareTail(chances[g] / usual, white.whitening.size(g));
-      if (relative > wild.mean_square && tail < wild.probability) bad.push_back(g);
+    for (std::size_t g = 0; g < squares.size(); ++g) {
+      if (isWild(squares[g], white.whitening.size(g), usual, wild)) bad.push_back(g);
     }
     // A run of them at the end (or the start) of the session is something that moved, not rows that went wrong.
     if (isRunInTime(bad)) return {};
-    // More than a fifth is no sprinkling of wild rows.
-    if (bad.size() > mean_squares.size() / 3) return {};
+    // More than a third is no sprinkling of wild rows.
+    if (bad.size() > squares.size() / 3) return {};
     return bad;
   }
 
@@ -301,39 +310,93 @@ class Selector {
     return late >= 3 || early >= 3;
   }
 
-  void remove(const std::vector<std::size_t>& groups) {
-    MeasuredCell& measured = selection_.measured;
-    std::vector<bool> gone(measured.observations.size(), false);
-    for (const std::size_t g : groups) {
-      for (const std::size_t k : measured.groups[g]) gone[k] = true;
+  /// Poses that were taken out before it was known what moves them, and that the model with all findings explains as well as it does
+  /// others.
+  /// @return whether any came back
+  bool takeBack() {
+    if (taken_back_ || selection_.findings.empty() || selection_.bad.empty()) return false;
+    taken_back_ = true;
+    const MeasuredCell out = part(selection_.bad);
+    Linearised there = linearise(out, linear_.state, linear_.accepted, scatter(), {});
+    there.noise.theta.resize(static_cast<Eigen::Index>(there.components.size()));
+    for (std::size_t i = 0; i < there.components.size(); ++i) {
+      const NoiseComponent& component = there.components[i];
+      there.noise.theta(static_cast<Eigen::Index>(i)) =
+          varianceOf(component.name, linear_.components, linear_.noise).value_or(component.start);
     }
-    MeasuredCell rest = measured;
-    rest.observations.clear();
-    rest.samples.clear();
-    rest.groups.clear();
-    std::vector<std::size_t> kept, place(gone.size());
-    for (std::size_t k = 0; k < gone.size(); ++k) {
-      if (gone[k]) {
-        selection_.bad.push_back(selection_.kept[k]);
-        continue;
-      }
-      place[k] = rest.observations.size();
-      rest.observations.push_back(measured.observations[k]);
-      rest.samples.push_back(measured.samples[k]);
-      kept.push_back(selection_.kept[k]);
+    const Whitening whitening(there.rows, there.components, there.noise.theta);
+    const std::vector<double> squares = squaresOf(whitening, whitening.apply(there.rows.r));
+    const double usual = usualSquare();
+    std::vector<bool> stays(given_.observations.size(), false);
+    for (const std::size_t k : selection_.bad) stays[k] = true;
+    const std::size_t before = selection_.bad.size();
+    for (std::size_t g = 0; g < squares.size(); ++g) {
+      if (isWild(squares[g], whitening.size(g), usual, kWildAtLast)) continue;
+      for (const std::size_t k : out.groups[g]) stays[selection_.bad[k]] = false;
     }
-    for (const std::vector<std::size_t>& group : measured.groups) {
-      std::vector<std::size_t> members;
-      for (const std::size_t k : group) {
-        if (!gone[k]) members.push_back(place[k]);
-      }
-      if (!members.empty()) rest.groups.push_back(members);
-    }
-    measured = std::move(rest);
-    selection_.kept = std::move(kept);
-    std::sort(selection_.bad.begin(), selection_.bad.end());
+    std::erase_if(selection_.bad, [&stays](std::size_t k) { return !stays[k]; });
+    if (selection_.bad.size() == before) return false;
+    useTheRest();
+    linear_ = refit(selection_.measured, linear_.state, accepted(), scatter(), linear_.noise, {}, true);
+    handBack();
+    return true;
   }
 
+  /// How far off the bad ones are beside all findings.
+  void tellBad() {
+    if (selection_.bad.empty()) return;
+    const Linearised there = linearise(part(selection_.bad), linear_.state, linear_.accepted, scatter(), {});
+    const Eigen::VectorXd squares = there.rows.r.cwiseAbs2().cwiseProduct(squareWeights(there.rows));
+    selection_.bad_rms.resize(selection_.bad.size());
+    for (const ObservationRows& each : there.rows.observations) {
+      const auto points = std::count(each.rows.valid.begin(), each.rows.valid.end(), true);
+      selection_.bad_rms[each.context.number] =
+          points > 0 ? std::sqrt(squares.segment(each.begin, each.size).sum() / static_cast<double>(points)) : 0.0;
+    }
+  }
+
+  /// Takes poses out. @param groups  of selection_.measured
+  void remove(const std::vector<std::size_t>& groups) {
+    for (const std::size_t g : groups) {
+      for (const std::size_t k : selection_.measured.groups[g]) selection_.bad.push_back(kept_[k]);
+    }
+    std::sort(selection_.bad.begin(), selection_.bad.end());
+    useTheRest();
+  }
+
+  /// What was given, less what is bad, is what is measured.
+  void useTheRest() {
+    kept_.clear();
+    for (std::size_t k = 0; k < given_.observations.size(); ++k) {
+      if (!std::binary_search(selection_.bad.begin(), selection_.bad.end(), k)) kept_.push_back(k);
+    }
+    selection_.measured = part(kept_);
+  }
+
+  /// Some of the observations that were given. @param numbers  ascending
+  MeasuredCell part(const std::vector<std::size_t>& numbers) const {
+    MeasuredCell some = given_;
+    some.observations.clear();
+    some.samples.clear();
+    some.groups.clear();
+    for (const std::size_t k : numbers) {
+      some.observations.push_back(given_.observations[k]);
+      some.samples.push_back(given_.samples[k]);
+    }
+    for (const std::vector<std::size_t>& group : given_.groups) {
+      std::vector<std::size_t> members;
+      for (const std::size_t k : group) {
+        const auto at = std::lower_bound(numbers.begin(), numbers.end(), k);
+        if (at != numbers.end() && *at == k) members.push_back(static_cast<std::size_t>(at - numbers.begin()));
+      }
+      if (!members.empty()) some.groups.push_back(members);
+    }
+    return some;
+  }
+
+  const MeasuredCell& given_;
+  std::vector<std::size_t> kept_;  ///< numbers in given_ of the observations in selection_.measured
+  bool taken_back_ = false;
   Selection selection_;
   Linearised linear_;
   SearchLimits limits_;

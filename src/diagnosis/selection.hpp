@@ -26,11 +26,12 @@ struct Selection {
   std::vector<FoundEffect> findings;
   std::vector<Candidate> candidates;
   std::vector<NotTestable> not_testable;
-  Ranking base_ranking;                 ///< of all answers, nothing found yet
-  std::vector<Evidence> base_evidence;  ///< of the candidates, nothing found yet
-  std::vector<std::size_t> bad;         ///< observations that belong to no model, as indices into the measured ones given
-  std::vector<std::size_t> kept;        ///< indices of the given observations that remain in `measured`
-  MeasuredCell measured;                ///< without the bad ones
+  Ranking base_ranking;                    ///< of all answers, nothing found yet
+  std::vector<Candidate> base_candidates;  ///< those that there were when nothing was found yet
+  std::vector<Evidence> base_evidence;     ///< of them, then
+  std::vector<double> bad_rms;             ///< of each of `bad`: corners [px] or position [m], beside all findings
+  std::vector<std::size_t> bad;            ///< observations that belong to no model, as indices into the measured ones given
+  MeasuredCell measured;                   ///< without the bad ones
 };
 
 struct SearchLimits {
