@@ -268,11 +268,9 @@ class Selector {
   }
 
   /// What a number's square usually comes to in units of its noise, whatever wild poses there are.
-  double usualSquare() const {
-    const WhiteResidual white = whiteResidual(linear_);
-    std::vector<double> means = squaresOf(white.whitening, white.e);
-    for (std::size_t g = 0; g < means.size(); ++g) means[g] /= white.whitening.size(g);
-    return std::max(1e-12, median(means)) / 0.9;
+  static double usualSquare(const Whitening& whitening, std::vector<double> squares) {
+    for (std::size_t g = 0; g < squares.size(); ++g) squares[g] /= whitening.size(g);
+    return std::max(1e-12, median(squares)) / 0.9;
   }
 
   static bool isWild(double square, int size, double usual, const Wild& wild) {
@@ -282,7 +280,7 @@ class Selector {
   std::vector<std::size_t> wildPoses(const Wild& wild) const {
     const WhiteResidual white = whiteResidual(linear_);
     const std::vector<double> squares = squaresOf(white.whitening, white.e);
-    const double usual = usualSquare();
+    const double usual = usualSquare(white.whitening, squares);
     std::vector<std::size_t> bad;
     for (std::size_t g = 0; g < squares.size(); ++g) {
       if (isWild(squares[g], white.whitening.size(g), usual, wild)) bad.push_back(g);
@@ -326,12 +324,18 @@ class Selector {
     }
     const Whitening whitening(there.rows, there.components, there.noise.theta);
     const std::vector<double> squares = squaresOf(whitening, whitening.apply(there.rows.r));
-    const double usual = usualSquare();
+    const WhiteResidual white = whiteResidual(linear_);
+    const double usual = usualSquare(white.whitening, squaresOf(white.whitening, white.e));
     std::vector<bool> stays(given_.observations.size(), false);
     for (const std::size_t k : selection_.bad) stays[k] = true;
     const std::size_t before = selection_.bad.size();
     for (std::size_t g = 0; g < squares.size(); ++g) {
-      if (isWild(squares[g], whitening.size(g), usual, kWildAtLast)) continue;
+      // Where the camera's model has no pixel for any of them there is nothing that would speak against it.
+      const bool seen = std::any_of(there.rows.groups[g].begin(), there.rows.groups[g].end(), [&there](std::size_t k) {
+        const std::vector<bool>& valid = there.rows.observations[k].rows.valid;
+        return std::find(valid.begin(), valid.end(), true) != valid.end();
+      });
+      if (!seen || isWild(squares[g], whitening.size(g), usual, kWildAtLast)) continue;
       for (const std::size_t k : out.groups[g]) stays[selection_.bad[k]] = false;
     }
     std::erase_if(selection_.bad, [&stays](std::size_t k) { return !stays[k]; });
