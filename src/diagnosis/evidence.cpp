@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -91,15 +92,17 @@ Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Ca
   const Eigen::VectorXd& typical = candidate.typical;
   const Spectrum all(S, u, typical);
   const Eigen::Index own = candidate.own();
-  const Spectrum alone = own < typical.size() ? Spectrum(S.topLeftCorner(own, own), u.head(own), typical.head(own)) : all;
+  std::optional<Spectrum> own_alone;
+  if (own < typical.size()) own_alone.emplace(S.topLeftCorner(own, own), u.head(own), typical.head(own));
+  const Spectrum& alone = own_alone ? *own_alone : all;
   std::vector<double> over_scales;
   for (const double scale : evidenceScales()) over_scales.push_back(alone.evidence(scale));
   Evidence evidence;
   evidence.information = alone.values.sum() / static_cast<double>(own);
   evidence.clearest = alone.values.maxCoeff();
   evidence.scale = evidenceScales()[largest(over_scales)];
-  evidence.found = alone.sizes(evidence.scale).cwiseProduct(typical.head(own));
-  if (own < typical.size()) {
+  if (own_alone) {
+    evidence.found = alone.sizes(evidence.scale).cwiseProduct(typical.head(own));
     for (std::size_t i = 0; i < over_scales.size(); ++i) {
       over_scales[i] = all.evidence(candidate.spread(evidenceScales()[i], evidence.found).cwiseQuotient(typical));
     }

@@ -54,7 +54,7 @@ struct Evidence {
   int dimension = 0;         ///< columns that the rows can see
   double information = 0.0;  ///< mean over its own columns of information on a factor in units of the typical
   double clearest = 0.0;     ///< the same in the direction that the rows show best
-  Eigen::VectorXd found;     ///< size of each own factor by its own columns alone: root of its expected square
+  Eigen::VectorXd found;     ///< with mass errors: size of each own factor by its own columns alone, root of its expected square
 };
 
 /// Size in units of the typical of what is found four times in five, which takes an expected chi-square of 36 in a search over some hundred

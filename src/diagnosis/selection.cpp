@@ -308,6 +308,9 @@ class Selector {
     return late >= 3 || early >= 3;
   }
 
+  /// Poses that were not fitted, at the model with all findings.
+  Linearised besideFindings(const MeasuredCell& out) const { return linearise(out, linear_.state, linear_.accepted, scatter(), {}); }
+
   /// Poses that were taken out before it was known what moves them, and that the model with all findings explains as well as it does
   /// others.
   /// @return whether any came back
@@ -315,7 +318,7 @@ class Selector {
     if (taken_back_ || selection_.findings.empty() || selection_.bad.empty()) return false;
     taken_back_ = true;
     const MeasuredCell out = part(selection_.bad);
-    Linearised there = linearise(out, linear_.state, linear_.accepted, scatter(), {});
+    Linearised there = besideFindings(out);
     there.noise.theta.resize(static_cast<Eigen::Index>(there.components.size()));
     for (std::size_t i = 0; i < there.components.size(); ++i) {
       const NoiseComponent& component = there.components[i];
@@ -349,7 +352,7 @@ class Selector {
   /// How far off the bad ones are beside all findings.
   void tellBad() {
     if (selection_.bad.empty()) return;
-    const Linearised there = linearise(part(selection_.bad), linear_.state, linear_.accepted, scatter(), {});
+    const Linearised there = besideFindings(part(selection_.bad));
     const Eigen::VectorXd squares = there.rows.r.cwiseAbs2().cwiseProduct(squareWeights(there.rows));
     selection_.bad_rms.resize(selection_.bad.size());
     for (const ObservationRows& each : there.rows.observations) {
