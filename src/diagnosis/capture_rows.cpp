@@ -78,6 +78,38 @@ PlainSight plainSight(const Cell& cell, const Observation& observation, const Di
   return plain;
 }
 
+int rowsOf(const Observation& observation) { return observation.unitCount() * observation.unitSize(); }
+
+/// Fills the rows of the observation whose context is there.
+/// @return the derivative of its pose by the base parameters
+PoseDerivative evaluateObservation(const MeasuredCell& measured, const ModelState& state, const ParameterLayout& layout,
+                                   ObservationRows& part) {
+  const Cell& cell = state.cell.cell;
+  const Observation& observation = measured.observations[part.context.number];
+  const Sample& sample = measured.samples[part.context.number];
+  const bool camera = cell.camera.has_value();
+  part.size = rowsOf(observation);
+  part.unit_sigma.reserve(static_cast<std::size_t>(observation.unitCount()));
+  for (int unit = 0; unit < observation.unitCount(); ++unit) {
+    part.unit_sigma.push_back(observation.pose ? 1.0 / observation.pose->whitening(5, 5)
+                                               : observation.corners[static_cast<std::size_t>(unit)].sigma_px);
+  }
+  PoseDerivative pose;
+  if (state.effects.empty()) {
+    part.ports = posePortJacobian(cell, sample);
+    evaluateRows(cell, observation, part.ports.T_camera_target, camera, part.rows);
+    pose = evaluatePose(state.cell, layout, observation, part.context.chain);
+  } else {
+    const Disturbance disturbance = disturbanceOf(state.effects, part.context);
+    part.ports = posePortJacobian(cell, sample, disturbance);
+    const PlainSight plain = plainSight(cell, observation, disturbance);
+    evaluateRows(plain.cell, plain.observation, part.ports.T_camera_target, camera, part.rows);
+    pose = evaluatePose(state.cell, layout, sample, disturbance);
+  }
+  part.R_camera_target = part.ports.T_camera_target.linear();
+  return pose;
+}
+
 }  // namespace
 
 TwistPrior::TwistPrior(const Arm& arm, double position, double rotation) {
@@ -124,49 +156,29 @@ PlainSight plainSight(const MeasuredCell& measured, const ModelState& state, con
 CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, const std::vector<std::vector<std::size_t>>& groups) {
   const auto capture = contextOf(measured, state);
   const ParameterLayout layout(state.cell.cell, measured.free);
+  const std::vector<std::vector<std::size_t>>& wanted = chosen(measured, groups);
+  int size = 0;
+  for (const std::vector<std::size_t>& group : wanted) {
+    for (const std::size_t k : group) size += rowsOf(measured.observations[k]);
+  }
   CaptureRows all;
+  all.r.resize(size);
+  all.J.resize(size, layout.total);
   all.observations.reserve(measured.observations.size());
   int begin = 0;
-  for (const std::vector<std::size_t>& group : chosen(measured, groups)) {
+  for (const std::vector<std::size_t>& group : wanted) {
     all.groups.emplace_back();
     for (const std::size_t k : group) {
-      const Observation& observation = measured.observations[k];
-      const Sample& sample = measured.samples[k];
-      ObservationRows part;
-      part.begin = begin;
-      part.size = observation.unitCount() * observation.unitSize();
-      part.context = makeSampleContext(capture, sample, k, pointsOf(observation));
-      const bool camera = state.cell.cell.camera.has_value();
-      if (state.effects.empty()) {
-        part.ports = posePortJacobian(state.cell.cell, sample);
-        evaluateRows(state.cell.cell, observation, part.ports.T_camera_target, camera, part.rows);
-      } else {
-        const Disturbance disturbance = disturbanceOf(state.effects, part.context);
-        part.ports = posePortJacobian(state.cell.cell, sample, disturbance);
-        const PlainSight plain = plainSight(state.cell.cell, observation, disturbance);
-        evaluateRows(plain.cell, plain.observation, part.ports.T_camera_target, camera, part.rows);
-      }
-      part.R_camera_target = part.ports.T_camera_target.linear();
-      part.unit_sigma.reserve(static_cast<std::size_t>(observation.unitCount()));
-      for (int unit = 0; unit < observation.unitCount(); ++unit) {
-        part.unit_sigma.push_back(observation.pose ? 1.0 / observation.pose->whitening(5, 5)
-                                                   : observation.corners[static_cast<std::size_t>(unit)].sigma_px);
-      }
-      begin += part.size;
       all.groups.back().push_back(all.observations.size());
-      all.observations.push_back(std::move(part));
+      ObservationRows& part = all.observations.emplace_back();
+      part.begin = begin;
+      part.context = makeSampleContext(capture, measured.samples[k], k, pointsOf(measured.observations[k]));
+      const PoseDerivative pose = evaluateObservation(measured, state, layout, part);
+      all.r.segment(begin, part.size) = part.rows.r;
+      all.J.block(begin, 0, part.size, layout.pose_parameters) = part.rows.H * pose.M;
+      if (layout.intrinsics >= 0) all.J.block(begin, layout.intrinsics, part.size, part.rows.K.cols()) = part.rows.K;
+      begin += part.size;
     }
-  }
-  all.r.resize(begin);
-  all.J.resize(begin, layout.total);
-  for (const ObservationRows& part : all.observations) {
-    all.r.segment(part.begin, part.size) = part.rows.r;
-    const std::size_t k = part.context.number;
-    const PoseDerivative pose = state.effects.empty()
-                                    ? evaluatePose(state.cell, layout, measured.observations[k], part.context.chain)
-                                    : evaluatePose(state.cell, layout, measured.samples[k], disturbanceOf(state.effects, part.context));
-    all.J.block(part.begin, 0, part.size, layout.pose_parameters) = part.rows.H * pose.M;
-    if (layout.intrinsics >= 0) all.J.block(part.begin, layout.intrinsics, part.size, part.rows.K.cols()) = part.rows.K;
   }
   return all;
 }

@@ -11,7 +11,7 @@ namespace poecal {
 namespace {
 
 // Rows of a block: its whitened columns stay in a core's cache while every candidate passes over them.
-constexpr int kBlockRows = 1024;
+constexpr int kBlockRows = 128;
 // Columns that are multiplied at a time.
 constexpr Eigen::Index kChunkColumns = 48;
 
