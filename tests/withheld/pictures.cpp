@@ -14,7 +14,7 @@
 namespace withheld {
 namespace {
 
-constexpr int kSamples = 8;     // a pixel and direction: an edge is then off by 1/16 px in one sample of eight, at random
+constexpr int kSamples = 8;     // a pixel and direction
 constexpr double kReach = 4.0;  // of the spot, in sigma
 
 /// A tag's cells, one pixel each, from the top left of its white border; the border between the black square and it is the tag's edge.
@@ -81,18 +81,19 @@ cv::Mat drawBackground(const Lens& lens, std::uint64_t seed) {
   return picture;
 }
 
-/// Grey values of one row of pixels, kSamples rows of kSamples a pixel; `rays` starts at the row's upper left corner.
+/// Grey values of one row of pixels, kSamples rows of kSamples a pixel; `rays` starts at the row's upper left corner. Each sample is taken
+/// somewhere in its part of the pixel: on a regular grid, an edge along it would be off by up to 1/16 px over its whole length.
 void drawRow(const Eigen::Matrix3d& H, const Eigen::Vector2d* rays, const cv::Mat& cells, const Look& look, const float* behind,
-             cv::Mat&& samples) {
+             cv::RNG& chance, cv::Mat&& samples) {
   const int width = samples.cols / kSamples;
   for (int column = 0; column < width; ++column) {
     const Eigen::Vector2d &a = rays[column], &b = rays[column + 1], &c = rays[column + width + 1], &d = rays[column + width + 2];
     for (int i = 0; i < kSamples; ++i) {
-      const double down = (i + 0.5) / kSamples;
-      const Eigen::Vector2d left = a + down * (c - a), right = b + down * (d - b);  // the lens is linear within a pixel
       float* out = samples.ptr<float>(i) + column * kSamples;
       for (int j = 0; j < kSamples; ++j) {
-        const Eigen::Vector2d ray = left + (j + 0.5) / kSamples * (right - left);
+        const double down = (i + chance.uniform(0.0, 1.0)) / kSamples, along = (j + chance.uniform(0.0, 1.0)) / kSamples;
+        const Eigen::Vector2d left = a + down * (c - a), right = b + down * (d - b);  // the lens is linear within a pixel
+        const Eigen::Vector2d ray = left + along * (right - left);
         const Eigen::Vector2d at = (H * ray.homogeneous()).hnormalized();
         const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
         const bool on_tag = x >= 0 && y >= 0 && x < cells.cols && y < cells.rows;
@@ -104,14 +105,14 @@ void drawRow(const Eigen::Matrix3d& H, const Eigen::Vector2d* rays, const cv::Ma
 
 /// The patch before blur and noise, kSamples x kSamples a pixel.
 cv::Mat drawSamples(const Cell& cell, const Shot& shot, const State& state, const Look& look, const cv::Rect& patch,
-                    const cv::Mat& background) {
+                    const cv::Mat& background, cv::RNG& chance) {
   const cv::Mat cells = cellsOf(cell.tags.front().id);
   const std::vector<Eigen::Vector2d> rays = raysOf(state.lens, patch);
   cv::Mat samples(patch.height * kSamples, patch.width * kSamples, CV_32F);
   Eigen::Matrix3d H = cellsFromRays(cell, state);
   for (int row = 0; row < patch.height; ++row) {
     if (state.line_time != 0.0) H = cellsFromRays(cell, stateAtRow(shot, state, patch.y + row));
-    drawRow(H, rays.data() + row * (patch.width + 1), cells, look, background.ptr<float>(patch.y + row) + patch.x,
+    drawRow(H, rays.data() + row * (patch.width + 1), cells, look, background.ptr<float>(patch.y + row) + patch.x, chance,
             samples.rowRange(row * kSamples, (row + 1) * kSamples));
   }
   return samples;
@@ -124,15 +125,15 @@ void drawPicture(const Cell& cell, const Shot& shot, const std::vector<Flaw>& fl
   if (cell.tags.size() != 1 || state.outward != 0.0 || state.warp) throw std::invalid_argument("no picture of several tags or moved edges");
   cv::Mat picture = drawBackground(cell.lens, look.seed);
   const cv::Rect patch = patchOf(cell, corners(cell, shot, flaws), look.blur);
-  cv::Mat samples = drawSamples(cell, shot, state, look, patch, picture), drawn;
+  std::uint64_t seed = look.seed;
+  for (const char letter : shot.image) seed = seed * 131 + static_cast<unsigned char>(letter);
+  cv::RNG chance(seed);
+  cv::Mat samples = drawSamples(cell, shot, state, look, patch, picture, chance), drawn;
   cv::GaussianBlur(samples, samples, cv::Size(), look.blur * kSamples);
   cv::resize(samples, drawn, patch.size(), 0.0, 0.0, cv::INTER_AREA);
   drawn.copyTo(picture(patch));
 
   cv::Mat noise(picture.size(), CV_32F), grey;
-  std::uint64_t seed = look.seed;
-  for (const char letter : shot.image) seed = seed * 131 + static_cast<unsigned char>(letter);
-  cv::RNG chance(seed);
   chance.fill(noise, cv::RNG::NORMAL, 0.0, look.noise);
   cv::Mat(picture + noise).convertTo(grey, CV_8U);
   if (!cv::imwrite(file.string(), grey, {cv::IMWRITE_PNG_COMPRESSION, 1})) throw std::runtime_error("cannot write " + file.string());
