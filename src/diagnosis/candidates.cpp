@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "effects/mass_layout.hpp"
+
 namespace poecal {
 namespace {
 
@@ -77,19 +79,18 @@ void addMassErrors(const Cell& cell, Candidate& candidate) {
   weightless.arm->links.clear();
   candidate.mass_errors =
       makeEffect({.effect = effect.name(), .location = effect.location(), .driver = effect.driver()}, weightless).effect;
-  std::vector<double> typical(candidate.typical.begin(), candidate.typical.end());
-  const std::size_t of_all = typical.size() + candidate.mass_errors->parameters().size();
-  while (typical.size() < of_all) {
-    for (std::size_t body = effect.index(); body < cell.arm->links.size(); ++body) {
-      const LinkMass& link = cell.arm->links[body];
-      typical.push_back(candidate.typical(0) * kMassError * link.mass);
-      for (int axis = 0; axis < 3; ++axis) {
-        typical.push_back(candidate.typical(0) * link.mass * std::hypot(kMassError * link.com(axis), kPlaceError));
-      }
+  const MassLayout layout(effect.index(), cell.arm->links.size());
+  const Eigen::Index own = candidate.typical.size();
+  candidate.typical.conservativeResize(own + static_cast<Eigen::Index>(candidate.mass_errors->parameters().size()));
+  for (Eigen::Index i = 0; own + i < candidate.typical.size(); ++i) {
+    const MassTerm term = layout[i];
+    double missing = kMassError;  // of the payload
+    if (!layout.isPayload(term)) {
+      const LinkMass& link = cell.arm->links[term.body];
+      missing = link.mass * (term.part == 0 ? kMassError : std::hypot(kMassError * link.com(term.part - 1), kPlaceError));
     }
-    typical.push_back(candidate.typical(0) * kMassError);  // of the payload
+    candidate.typical(own + i) = candidate.typical(0) * missing;
   }
-  candidate.typical = Eigen::Map<Eigen::VectorXd>(typical.data(), static_cast<Eigen::Index>(typical.size()));
 }
 
 bool isRandom(const Effect& effect) { return effect.kind().add_derivative == nullptr; }

@@ -8,7 +8,7 @@ namespace {
 void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
                    Disturbance& disturbance) {
   if (effect.byMasses()) {
-    disturbance.base.head<3>() += amount * context.wrench_by_masses.col(massColumn(effect, i, context)).head<3>();
+    disturbance.base.head<3>() += amount * context.wrench_by_masses.col(massTerm(effect, i, context).column()).head<3>();
   } else {
     disturbance.base.head<3>() += amount * context.base_moment;
   }

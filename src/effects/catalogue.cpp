@@ -11,6 +11,7 @@
 
 #include "effects/curve.hpp"
 #include "effects/kinds.hpp"
+#include "effects/mass_layout.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 
@@ -106,16 +107,20 @@ std::vector<EffectParameter> massParameters(const EffectKind& kind, std::size_t 
   constexpr double kTypicalMass = 5.0;    // [kg]
   constexpr double kTypicalMoment = 1.5;  // [kg m]
   const EffectParameter& compliance = kind.parameters.front();
-  const std::vector<std::string> ways = kind.parameters.size() > 1 ? std::vector<std::string>{"_a", "_b"} : std::vector<std::string>{""};
+  const char* const ways[] = {kind.parameters.size() > 1 ? "_a" : "", "_b"};
+  const MassLayout layout(index, arm.joints.size());
   std::vector<EffectParameter> parameters;
-  for (const std::string& way : ways) {
-    for (std::size_t body = index; body < arm.joints.size(); ++body) {
-      parameters.push_back({fmt::format("m{}{}", body + 1, way), compliance.unit + " kg", kTypicalMass * compliance.typical});
-      for (const char* axis : {"mx", "my", "mz"}) {
-        parameters.push_back({fmt::format("{}{}{}", axis, body + 1, way), compliance.unit + " kg m", kTypicalMoment * compliance.typical});
-      }
+  for (Eigen::Index i = 0; i < layout.perWay() * static_cast<Eigen::Index>(kind.parameters.size()); ++i) {
+    const MassTerm term = layout[i];
+    const char* const way = ways[term.way];
+    if (layout.isPayload(term)) {
+      parameters.push_back({fmt::format("payload{}", way), compliance.unit, compliance.typical});
+    } else if (term.part == 0) {
+      parameters.push_back({fmt::format("m{}{}", term.body + 1, way), compliance.unit + " kg", kTypicalMass * compliance.typical});
+    } else {
+      parameters.push_back({fmt::format("m{}{}{}", "xyz"[term.part - 1], term.body + 1, way), compliance.unit + " kg m",
+                            kTypicalMoment * compliance.typical});
     }
-    parameters.push_back({"payload" + way, compliance.unit, compliance.typical});
   }
   return parameters;
 }

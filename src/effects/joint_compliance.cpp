@@ -9,7 +9,7 @@ void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&,
                    Disturbance& disturbance) {
   const auto k = static_cast<Eigen::Index>(effect.index());
   jointPort(effect, disturbance) +=
-      amount * (effect.byMasses() ? context.torqueByMasses(effect.index(), massColumn(effect, i, context)) : context.torque(k));
+      amount * (effect.byMasses() ? context.torqueByMasses(effect.index(), massTerm(effect, i, context).column()) : context.torque(k));
 }
 
 }  // namespace

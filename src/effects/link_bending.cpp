@@ -10,16 +10,16 @@ void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&,
   const Joint& joint = armOf(context).joints[effect.index()];
   const Eigen::Matrix<double, 3, 2> across = acrossAxis(joint);
   const std::size_t k = effect.index();
-  const Eigen::Vector3d moment = effect.byMasses() ? context.momentByMasses(k, massColumn(effect, i, context))
-                                                   : Eigen::Vector3d(context.moment_body.col(static_cast<Eigen::Index>(k)));
-  Eigen::Vector2d bending = across.transpose() * moment;
+  Eigen::Vector2d bending;
   if (effect.byMasses()) {
-    const bool about_b = 2 * i >= static_cast<Eigen::Index>(effect.parameters().size());
-    bending(about_b ? 0 : 1) = 0.0;
-  } else if (i == 1) {
-    bending.y() = -bending.y();
+    const MassTerm term = massTerm(effect, i, context);
+    bending = across.transpose() * context.momentByMasses(k, term.column());
+    bending(1 - term.way) = 0.0;
+  } else {
+    bending = across.transpose() * context.moment_body.col(static_cast<Eigen::Index>(k));
+    if (i == 1) bending.y() = -bending.y();
   }
-  disturbance.links[effect.index()] += amount * rotationAbout(across * bending, joint.anchor);
+  disturbance.links[k] += amount * rotationAbout(across * bending, joint.anchor);
 }
 
 }  // namespace

@@ -31,10 +31,8 @@ std::vector<EffectParameter> slipParameters(double rotation, double translation)
   return parameters;
 }
 
-Eigen::Index massColumn(const Effect& effect, Eigen::Index i, const SampleContext& context) {
-  const Eigen::Index joints = armOf(context).jointCount(), first = 4 * static_cast<Eigen::Index>(effect.index());
-  const Eigen::Index of_masses = 4 * joints - first, j = i % (of_masses + 1);
-  return j < of_masses ? first + j : 4 * joints;
+MassTerm massTerm(const Effect& effect, Eigen::Index i, const SampleContext& context) {
+  return MassLayout(effect.index(), armOf(context).joints.size())[i];
 }
 
 EffectParameter driftReference() { return {"reference", "t", 0.0, ParameterRole::kFixed}; }

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "effects/mass_layout.hpp"
 #include "poecal/core/random.hpp"
 #include "poecal/effects/effect.hpp"
 
@@ -29,8 +30,8 @@ std::vector<EffectParameter> twistParameters(double rotation, double translation
 /// The time of a slip [s], scanned, and the six numbers of its twist.
 std::vector<EffectParameter> slipParameters(double rotation, double translation);
 
-/// Where the masses are not known: the column of parameter i in the context's functions of the masses.
-Eigen::Index massColumn(const Effect& effect, Eigen::Index i, const SampleContext& context);
+/// Where the masses are not known: the function of them that parameter i stands for.
+MassTerm massTerm(const Effect& effect, Eigen::Index i, const SampleContext& context);
 
 /// When or at which temperature a drift is zero; where it is left out, at the first sample.
 EffectParameter driftReference();
