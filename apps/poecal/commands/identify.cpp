@@ -13,11 +13,11 @@ constexpr const char* kExample = R"(
 Example:
   $ poecal identify capture --out out
   identified cobot6 by bundle from 60 poses
-                calibration                               held-out poses
+                calibration                               poses that the fit did not see
                 px rms, mean mm and mrad at the flange
-    nominal         2.885 px     11.391 mm    7.472 mrad      4.010 px     11.752 mm    9.347 mrad
-    registered      2.517 px     12.418 mm    8.708 mrad      3.744 px     12.813 mm    8.934 mrad
-    identified      0.053 px      0.594 mm    1.007 mrad      0.076 px      0.744 mm    1.773 mrad
+    nominal         3.030 px      3.675 mm    6.217 mrad      3.030 px      3.675 mm    6.217 mrad
+    registered      2.776 px      3.539 mm    6.910 mrad      3.125 px      3.809 mm    7.199 mrad
+    identified      0.004 px      0.038 mm    0.084 mrad      0.005 px      0.047 mm    0.085 mrad
 )";
 
 }  // namespace

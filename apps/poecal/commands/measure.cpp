@@ -12,8 +12,8 @@ namespace {
 constexpr const char* kExample = R"(
 Example:
   $ poecal measure capture --out out
-  registered 60 pictures: 2.764 px rms (2.764 px with every picture, 0.039 px with a free pose for each)
-    camera in base: 1.5103 0.3125 0.8966 m
+  registered 60 pictures: 2.776 px rms (2.776 px with every picture, 0.002 px with a free pose for each)
+    camera in base: 1.5001 0.3095 0.8944 m
 )";
 
 }  // namespace
