@@ -228,8 +228,9 @@ std::vector<bool> climb(const Selection& selection, const Identification& identi
     for (const std::size_t j : taken) {
       if (j != i) others.push_back(j);
     }
-    const Rung without = others.empty() ? rungs[kIdentified] : ladder.rungWith("", others);
-    diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : ladder.shrinkage(without, rungs.back());
+    std::optional<Rung> made;
+    const Rung& without = others.empty() ? rungs[kIdentified] : made.emplace(ladder.rungWith("", others));
+    diagnosis.findings[i].shrinkage = made ? ladder.shrinkage(without, rungs.back()) : diagnosis.shrinkage;
     serves.push_back(servesOthers(selection.findings[i], ladder.gain(without, rungs.back())));
   }
   return serves;

@@ -95,6 +95,7 @@ class Ranker {
       const RankedAnswer& answer = ranking.answers[i];
       if (answer.log_bayes < 0.0) continue;
       const std::vector<Candidate> some = untriedTimes(*answer.candidate, measured_.samples);
+      if (some.empty()) continue;
       of.emplace_back(i, some.size());
       untried.insert(untried.end(), some.begin(), some.end());
     }

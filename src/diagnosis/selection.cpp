@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
@@ -39,10 +40,11 @@ class Selector {
       }
       if (selection_.findings.size() < limits_.most && accept(ranking)) {
         settle();
-        continue;
+        if (isNew()) continue;
       }
       // What stands out now does so beside every explanation.
       if (!dropBad(kWildAtLast) && !takeBack()) break;
+      settled_.clear();
       listCandidates();
       if (selection_.findings.empty()) {
         selection_.base = linear_.state;
@@ -213,6 +215,7 @@ class Selector {
         const FoundEffect& now = selection_.findings[i];
         const bool same = best.name == now.name && best.location == now.location && best.driver == now.driver;
         if (!(best.log_weight > kNeeded)) {
+          if (isMissed(now, others)) continue;
           selection_.findings.erase(selection_.findings.begin() + static_cast<std::ptrdiff_t>(i));
           refitAll();
           changed = true;
@@ -230,6 +233,23 @@ class Selector {
       }
       if (!changed) break;
     }
+  }
+
+  /// Whether the fit without a finding is worse by more than chance, though its linearisation does not show the finding: the others went
+  /// far to stand in for it.
+  bool isMissed(const FoundEffect& found, const Linearised& others) const {
+    if (!found.accepted) return false;
+    // The finding is in at its best scale, not at all of them.
+    const double share = found.accepted->candidate.log_prior - std::log(static_cast<double>(evidenceScales().size()));
+    return linear_.noise.log_likelihood - others.noise.log_likelihood + share > kNeeded;
+  }
+
+  /// Whether these findings together were not settled on before with the same poses: what is then taken in and given up again goes on for
+  /// ever.
+  bool isNew() {
+    std::vector<std::string> names = taken();
+    std::sort(names.begin(), names.end());
+    return settled_.insert(names).second;
   }
 
   /// Poses with a shot among some observations.
@@ -404,6 +424,7 @@ class Selector {
   const MeasuredCell& given_;
   std::vector<std::size_t> kept_;  ///< numbers in given_ of the observations in selection_.measured
   bool taken_back_ = false;
+  std::set<std::vector<std::string>> settled_;  ///< names of the findings that were settled on together
   Selection selection_;
   Linearised linear_;
   SearchLimits limits_;
