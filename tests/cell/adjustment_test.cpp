@@ -6,24 +6,14 @@
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 #include "support/arms.hpp"
+#include "support/cameras.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
 
 namespace poecal {
 namespace {
 
-Camera testCamera() {
-  Camera camera;
-  camera.width = 1280;
-  camera.height = 960;
-  camera.fx = 1400.0;
-  camera.fy = 1390.0;
-  camera.cx = 640.0;
-  camera.cy = 480.0;
-  camera.distortion = Eigen::VectorXd::Zero(5);
-  camera.distortion << -0.1, 0.05, 0.001, -0.0005, 0.0;
-  return camera;
-}
+Camera testCamera() { return test::plumbBob(1280, 960, {1400.0, 1390.0}, {640.0, 480.0}, {-0.1, 0.05, 0.001, -0.0005}); }
 
 /// A cell whose target stays before the camera: joints move a little about zero, and the transforms are made to fit.
 Cell testCell(Rng& rng, const std::string& joint_types, Setup setup) {

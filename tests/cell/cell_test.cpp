@@ -4,6 +4,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "poecal/core/error.hpp"
+#include "support/cameras.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
 
@@ -20,17 +21,7 @@ Registration randomRegistration(Rng& rng, Setup setup) {
   return {.setup = setup, .T_camera_near = test::randomPose(rng), .T_far_target = test::randomPose(rng)};
 }
 
-Camera pinhole() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = 500.0;
-  camera.fy = 510.0;
-  camera.cx = 320.0;
-  camera.cy = 240.0;
-  camera.distortion = Eigen::VectorXd::Zero(5);
-  return camera;
-}
+Camera pinhole() { return test::plumbBob(640, 480, {500.0, 510.0}, {320.0, 240.0}); }
 
 Target oneTag(double size) { return apriltagTarget("tag36h11", {{.id = 7, .size = size}}); }
 

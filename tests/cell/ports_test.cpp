@@ -4,6 +4,7 @@
 
 #include "poecal/core/error.hpp"
 #include "support/arms.hpp"
+#include "support/cameras.hpp"
 #include "support/matchers.hpp"
 
 namespace poecal {
@@ -27,15 +28,7 @@ struct Example {
 Example makeExample(Rng& rng, Setup setup) {
   Example example;
   example.cell.arm = test::randomArm(rng, "RRPR");
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = 500.0;
-  camera.fy = 510.0;
-  camera.cx = 320.0;
-  camera.cy = 240.0;
-  camera.distortion = (Eigen::VectorXd(5) << -0.08, 0.05, 1e-3, -7e-4, 0.01).finished();
-  example.cell.camera = camera;
+  example.cell.camera = test::plumbBob(640, 480, {500.0, 510.0}, {320.0, 240.0}, {-0.08, 0.05, 1e-3, -7e-4, 0.01});
   example.sample.q = test::uniformVector(rng, 4, 0.5);
   Registration& registration = example.cell.registration;
   registration.setup = setup;

@@ -5,6 +5,7 @@
 #include "poecal/detection/detector.hpp"
 #include "poecal/geometry/se3.hpp"
 #include "poecal/simulation/renderer.hpp"
+#include "support/cameras.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
 #include "support/temp_folder.hpp"
@@ -14,14 +15,7 @@ namespace {
 
 // Kalibr's sheet has black squares that touch every corner of its tags; libapriltag alone finds half of the tags, some off by pixels.
 TEST(AprilGrid, CornersOfKalibrsSheetAreFoundAsSaddles) {
-  Camera camera;
-  camera.width = 1280;
-  camera.height = 960;
-  camera.fx = camera.fy = 1400.0;
-  camera.cx = 640.0;
-  camera.cy = 480.0;
-  camera.distortion = Eigen::VectorXd::Zero(5);
-  camera.distortion(0) = -0.08;
+  const Camera camera = test::plumbBob(1280, 960, {1400.0, 1400.0}, {640.0, 480.0}, {-0.08});
   const Target grid = aprilgridTarget("tag36h11", 6, 4, 0.05, 0.3, 0);
   Rng rng = test::rngOfThisTest();
   std::vector<double> errors;

@@ -12,6 +12,7 @@
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detector.hpp"
+#include "support/cameras.hpp"
 #include "support/rendering.hpp"
 #include "support/temp_folder.hpp"
 
@@ -23,16 +24,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Camera camera(double focal_length) {
-  Camera camera;
-  camera.width = 160;
-  camera.height = 120;
-  camera.fx = camera.fy = focal_length;
-  camera.cx = 79.5;
-  camera.cy = 59.5;
-  camera.distortion = Eigen::VectorXd::Zero(distortionCount(camera.model));
-  return camera;
-}
+Camera camera(double focal_length) { return test::plumbBob(160, 120, {focal_length, focal_length}, {79.5, 59.5}); }
 
 std::string keyOf(int number) { return pictureKey("a test", std::to_string(number)); }
 

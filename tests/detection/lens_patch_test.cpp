@@ -7,6 +7,7 @@
 
 #include "detection/tag_detector.hpp"
 #include "detection/tag_refiner.hpp"
+#include "support/cameras.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
 #include "support/rendering.hpp"
@@ -14,17 +15,7 @@
 namespace poecal {
 namespace {
 
-Camera barrelCamera() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 400.0;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  camera.distortion = Eigen::VectorXd::Zero(5);
-  camera.distortion.head<4>() << -0.3, 0.1, 1e-3, -1e-3;
-  return camera;
-}
+Camera barrelCamera() { return test::plumbBob(640, 480, {400.0, 400.0}, {319.5, 239.5}, {-0.3, 0.1, 1e-3, -1e-3}); }
 
 /// Straight pixels as OpenCV finds them.
 std::vector<cv::Point2d> straightened(const Camera& camera, const std::vector<cv::Point2d>& px) {

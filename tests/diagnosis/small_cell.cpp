@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "poecal/effects/catalogue.hpp"
+#include "support/cameras.hpp"
 
 namespace poecal::test {
 namespace {
@@ -20,16 +21,7 @@ Arm spatialArm() {
   return arm;
 }
 
-Camera plainCamera() {
-  Camera camera;
-  camera.width = 2448;
-  camera.height = 2048;
-  camera.fx = camera.fy = 2400.0;
-  camera.cx = 1224.0;
-  camera.cy = 1024.0;
-  camera.distortion = Eigen::VectorXd::Zero(5);
-  return camera;
-}
+Camera plainCamera() { return test::plumbBob(2448, 2048, {2400.0, 2400.0}, {1224.0, 1024.0}); }
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 
 #include "poecal/effects/catalogue.hpp"
 #include "support/arms.hpp"
+#include "support/cameras.hpp"
 
 namespace poecal::test {
 
@@ -23,15 +24,7 @@ inline RichCell richCell(Rng& rng, const std::string& joint_types = "RRRPRR") {
   rich.cell.arm = randomArm(rng, joint_types);
   const int n = rich.cell.arm->jointCount();
   for (int k = 0; k < n; ++k) rich.cell.arm->links.push_back({rng.uniform(1.0, 5.0), uniformVector(rng, 3, 0.4)});
-  Camera camera;
-  camera.width = 1280;
-  camera.height = 1024;
-  camera.fx = 1100.0;
-  camera.fy = 1110.0;
-  camera.cx = 640.0;
-  camera.cy = 510.0;
-  camera.distortion = (Eigen::VectorXd(5) << -0.08, 0.05, 1e-3, -7e-4, 0.01).finished();
-  rich.cell.camera = camera;
+  rich.cell.camera = plumbBob(1280, 1024, {1100.0, 1110.0}, {640.0, 510.0}, {-0.08, 0.05, 1e-3, -7e-4, 0.01});
   TargetTag left{.id = 3, .size = 0.08}, right{.id = 9, .size = 0.06};
   left.T_target_tag.translation() << -0.06, 0.01, 0.0;
   right.T_target_tag.translation() << 0.07, -0.02, 0.01;

@@ -8,6 +8,7 @@
 #include "poecal/core/statistics.hpp"
 #include "poecal/detection/detect_capture.hpp"
 #include "poecal/registration/target_pose.hpp"
+#include "support/cameras.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
 #include "support/temp_folder.hpp"
@@ -17,14 +18,7 @@ namespace {
 
 Cell cellOf(Setup setup) {
   Cell cell;
-  Camera camera;
-  camera.width = 1280;
-  camera.height = 960;
-  camera.fx = camera.fy = 1400.0;
-  camera.cx = 640.0;
-  camera.cy = 480.0;
-  camera.distortion = Eigen::VectorXd::Zero(5);
-  cell.camera = camera;
+  cell.camera = test::plumbBob(1280, 960, {1400.0, 1400.0}, {640.0, 480.0});
   cell.registration.setup = setup;
   return cell;
 }
@@ -34,7 +28,8 @@ struct Registered {
   std::vector<Observation> observations;
 };
 
-/// Controller poses that show a target of one 60 mm tag about 1 m before the camera, nearly facing it, so that its second pose is close at hand.
+/// Controller poses that show a target of one 60 mm tag about 1 m before the camera, nearly facing it, so that its second pose is close at
+/// hand.
 Registered registered(Rng& rng, Setup setup, int pictures, double sigma_px, double tilt = 0.5) {
   Registered data;
   data.truth = cellOf(setup);
@@ -44,7 +39,8 @@ Registered registered(Rng& rng, Setup setup, int pictures, double sigma_px, doub
   const Eigen::Matrix<double, 3, 4> corners = tagCorners(0.06);
   for (int k = 0; k < pictures; ++k) {
     Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
-    T_camera_target.linear() = expSo3({0.0, 0.0, rng.uniform(-2.0, 2.0)}) * expSo3({rng.uniform(-tilt, tilt), rng.uniform(-tilt, tilt), 0.0});
+    T_camera_target.linear() =
+        expSo3({0.0, 0.0, rng.uniform(-2.0, 2.0)}) * expSo3({rng.uniform(-tilt, tilt), rng.uniform(-tilt, tilt), 0.0});
     T_camera_target.translation() << rng.uniform(-0.25, 0.25), rng.uniform(-0.2, 0.2), rng.uniform(0.9, 1.1);
     Observation observation;
     observation.sample = static_cast<std::size_t>(k);
@@ -76,7 +72,8 @@ TEST_P(RegistrationOf, FlatViewsAreNotTakenForTheirMirrorPoses) {
   int flipped = 0;
   for (const Observation& observation : data.observations) {
     const Eigen::Isometry3d T_true = data.truth.registration.cameraTarget(*observation.T_base_flange);
-    flipped += rotationAngle(T_true.linear().transpose() * targetPoses(*data.truth.camera, observation).front().T_camera_target.linear()) > 0.1;
+    flipped +=
+        rotationAngle(T_true.linear().transpose() * targetPoses(*data.truth.camera, observation).front().T_camera_target.linear()) > 0.1;
   }
   ASSERT_GT(flipped, 3) << "the data must hold the trap";
   const RegistrationResult result = registerCell(cellOf(GetParam()), data.observations, {});
@@ -104,7 +101,8 @@ TEST_P(RegistrationOf, MeasuredFlangePosesErrAsTheirCovarianceSays) {
 TEST_P(RegistrationOf, OnePictureThatContradictsTheOthersIsNamed) {
   Rng rng = test::rngOfThisTest();
   Registered data = registered(rng, GetParam(), 10, 0.3);
-  data.observations[6].T_base_flange = *data.observations[6].T_base_flange * expSe3((Vector6d() << 0.004, -0.003, 0.004, 0.002, 0.002, -0.002).finished());
+  data.observations[6].T_base_flange =
+      *data.observations[6].T_base_flange * expSe3((Vector6d() << 0.004, -0.003, 0.004, 0.002, 0.002, -0.002).finished());
   const RegistrationResult result = registerCell(cellOf(GetParam()), data.observations, {});
   for (const RegisteredSample& sample : result.samples) EXPECT_EQ(sample.left_out, sample.sample == 6) << sample.sample;
 }
@@ -165,7 +163,8 @@ TEST(RegistrationReal, PandaNamesTheBadPictureAndBeatsThePublishedResult) {
   EXPECT_LE(result.rms_px, 2.78);      // a plain fit without the eighth picture
   EXPECT_LE(result.rms_all_px, 4.66);  // and with it
   EXPECT_TRUE(result.samples[7].left_out);
-  const auto left_out = std::count_if(result.samples.begin(), result.samples.end(), [](const RegisteredSample& sample) { return sample.left_out; });
+  const auto left_out =
+      std::count_if(result.samples.begin(), result.samples.end(), [](const RegisteredSample& sample) { return sample.left_out; });
   EXPECT_LE(left_out, 2);  // the fourth is the next worst
 }
 

@@ -11,6 +11,7 @@
 #include "detection/tag_refiner.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
+#include "support/cameras.hpp"
 #include "support/exact_tag.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
@@ -21,17 +22,7 @@ namespace {
 const ImageOptions kClean{.blur = 0.0, .noise = 0.0, .background = "plain"};
 
 /// A small picture, so that each case stays fast; distorted enough to bend edges by a few pixels.
-Camera smallCamera() {
-  Camera camera;
-  camera.width = 240;
-  camera.height = 180;
-  camera.fx = 260.0;
-  camera.fy = 258.0;
-  camera.cx = 121.3;
-  camera.cy = 88.6;
-  camera.distortion = (Eigen::VectorXd(5) << -0.08, 0.05, 0.0008, -0.0005, 0.0).finished();
-  return camera;
-}
+Camera smallCamera() { return test::plumbBob(240, 180, {260.0, 258.0}, {121.3, 88.6}, {-0.08, 0.05, 0.0008, -0.0005}); }
 
 Eigen::Isometry3d pose(const Eigen::Vector3d& rotation_vector, const Eigen::Vector3d& position) {
   Eigen::Isometry3d T(Eigen::Translation3d{position});

@@ -6,21 +6,13 @@
 
 #include "poecal/geometry/se3.hpp"
 #include "simulation/board_poses.hpp"
+#include "support/cameras.hpp"
 #include "support/matchers.hpp"
 
 namespace poecal {
 namespace {
 
-Camera pinhole() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 500.0;
-  camera.cx = 320.0;
-  camera.cy = 240.0;
-  camera.distortion = Eigen::VectorXd::Zero(5);
-  return camera;
-}
+Camera pinhole() { return test::plumbBob(640, 480, {500.0, 500.0}, {320.0, 240.0}); }
 
 Eigen::Isometry3d pose(const Eigen::Vector3d& rotation_vector, const Eigen::Vector3d& position) {
   Eigen::Isometry3d T(Eigen::Translation3d{position});

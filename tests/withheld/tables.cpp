@@ -247,11 +247,10 @@ std::string shrinkage(const std::vector<Scored>& cases) {
   const std::string rows = shrinkageRow("all", select(cases, [](const Scored&) { return true; })) + shrinkageRow("listed effects", listed) +
                            shrinkageRow("effects that are not listed", unlisted) + shrinkageRow("joints that scatter", scatter);
   if (rows.empty()) return "";
-  return "\nShrinkage claimed against measured on corners never shown (wanted: inside >= 90 %), and what is left over what a fit leaves "
-         "that is "
-         "told the effect (S above 12).\n\n| cases | inside the interval | median difference | over the told fit: median; 90 % below | "
-         "within "
-         "10 % |\n|---|---|---|---|---|\n" +
+  return "\nShrinkage claimed against measured on corners never shown (wanted: inside >= 90 %), and what is left over what a fit leaves\n"
+         "that is told the effect (S above 12).\n\n"
+         "| cases | inside the interval | median difference | over the told fit: median; 90 % below | within 10 % |\n"
+         "|---|---|---|---|---|\n" +
          rows;
 }
 
@@ -265,8 +264,8 @@ std::string times(const std::vector<Scored>& cases) {
   }
   if (seconds.empty()) return "";
   return fmt::format(
-      "\nProcessor time of a case: median {:.2f} s, longest {:.2f} s; of 70 to 90 poses median {:.2f} s; in runs of `identify` median "
-      "{:.1f}, most {:.1f}.\n",
+      "\nProcessor time of a case: median {:.2f} s, longest {:.2f} s; of 70 to 90 poses median {:.2f} s;\n"
+      "in runs of `identify` median {:.1f}, most {:.1f}.\n",
       quantile(seconds, 0.5), quantile(seconds, 1.0), quantile(at80, 0.5), quantile(fits, 0.5), quantile(fits, 1.0));
 }
 
@@ -289,8 +288,8 @@ std::string comparison(const std::vector<Scored>& cases) {
   }
   if (by_program.empty()) return "";
   std::string text =
-      "\n| diagnosis | single, S above 8: right | and nothing else | clean: alarm | pairs: both right | outside: wrongly named "
-      "|\n|---|---|---|---|---|---|\n";
+      "\n| diagnosis | single, S above 8: right | and nothing else | clean: alarm | pairs: both right | outside: wrongly named |\n"
+      "|---|---|---|---|---|---|\n";
   for (const auto& [name, scored] : by_program) {
     const Cases singles = select(scored, [](const Scored& s) { return s.truth.set == "single" && leastS(s) >= 8.0; });
     const auto shareOf = [](const Cases& some, const Test& test) {
