@@ -1,5 +1,7 @@
 #include "diagnosis/capture_rows.hpp"
 
+#include <algorithm>
+
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
@@ -116,6 +118,26 @@ TwistPrior::TwistPrior(const Arm& arm, double position, double rotation) {
   const Eigen::LLT<Eigen::MatrixXd> llt(twistTolerance(arm, position, rotation));
   precision = llt.solve(Eigen::MatrixXd::Identity(llt.rows(), llt.cols()));
   log_determinant = -2.0 * llt.matrixLLT().diagonal().array().log().sum();
+}
+
+MeasuredCell part(const MeasuredCell& measured, const std::vector<std::size_t>& numbers) {
+  MeasuredCell some = measured;
+  some.observations.clear();
+  some.samples.clear();
+  some.groups.clear();
+  for (const std::size_t k : numbers) {
+    some.observations.push_back(measured.observations[k]);
+    some.samples.push_back(measured.samples[k]);
+  }
+  for (const std::vector<std::size_t>& group : measured.groups) {
+    std::vector<std::size_t> members;
+    for (const std::size_t k : group) {
+      const auto at = std::lower_bound(numbers.begin(), numbers.end(), k);
+      if (at != numbers.end() && *at == k) members.push_back(static_cast<std::size_t>(at - numbers.begin()));
+    }
+    if (!members.empty()) some.groups.push_back(members);
+  }
+  return some;
 }
 
 Eigen::VectorXd ObservationRows::along(const Disturbance& direction) const {

@@ -41,6 +41,9 @@ struct MeasuredCell {
   int jobs = 1;                  ///< candidates weighed at a time; 0: one per core
 };
 
+/// Some of the observations of a capture, with the repeat shots among them. @param numbers  ascending.
+MeasuredCell part(const MeasuredCell& measured, const std::vector<std::size_t>& numbers);
+
 /// A cell on its way, with the effects that it was given so far.
 struct ModelState {
   CellState cell;

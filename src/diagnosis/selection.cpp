@@ -6,7 +6,7 @@
 
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
-#include "poecal/core/statistics.hpp"
+#include "diagnosis/wild_poses.hpp"
 
 namespace poecal {
 namespace {
@@ -25,7 +25,7 @@ class Selector {
 
   Selection run(const std::vector<std::size_t>& wild) {
     const std::vector<std::size_t> at_once = groupsOf(wild);
-    if (!isRunInTime(at_once)) remove(at_once);
+    if (!isRunInTime(selection_.measured, at_once)) remove(at_once);
     linear_ = refit(selection_.measured, selection_.base, {}, {}, NoiseEstimate{}, {}, true);
     dropBad(kWildAtOnce);
     listCandidates();
@@ -57,14 +57,6 @@ class Selector {
   }
 
  private:
-  /// When a pose belongs to no model: its mean square in units of its noise, and how improbable that is.
-  struct Wild {
-    double mean_square;
-    double probability;
-  };
-  // Before any effect is known only what no effect does to a single pose; at the end what chance does not do once in ten million captures.
-  static constexpr Wild kWildAtOnce{150.0, 1e-30}, kWildAtLast{8.0, 1e-9};
-
   Ranking ranked(const Linearised& linear, std::optional<std::size_t> without = {}) const {
     return rank(selection_.measured, selection_.candidates, limits_.curves, linear, taken(without));
   }
@@ -270,7 +262,7 @@ class Selector {
     // Each round's noise no longer contains what the one before took out.
     constexpr int kRounds = 20;
     for (int round = 0; round < kRounds; ++round) {
-      const std::vector<std::size_t> bad = wildPoses(wild);
+      const std::vector<std::size_t> bad = wildPoses(selection_.measured, linear_, wild);
       if (bad.empty()) break;
       remove(bad);
       any = true;
@@ -278,54 +270,6 @@ class Selector {
       handBack();
     }
     return any;
-  }
-
-  /// Sum of squares of each pose's residuals in units of their noise.
-  static std::vector<double> squaresOf(const Whitening& whitening, const Eigen::VectorXd& e) {
-    std::vector<double> squares;
-    for (std::size_t g = 0; g < whitening.poses(); ++g) squares.push_back(e.segment(whitening.begin(g), whitening.size(g)).squaredNorm());
-    return squares;
-  }
-
-  /// What a number's square usually comes to in units of its noise, whatever wild poses there are.
-  static double usualSquare(const Whitening& whitening, std::vector<double> squares) {
-    for (std::size_t g = 0; g < squares.size(); ++g) squares[g] /= whitening.size(g);
-    return std::max(1e-12, median(squares)) / 0.9;
-  }
-
-  static bool isWild(double square, int size, double usual, const Wild& wild) {
-    return square / size / usual > wild.mean_square && chiSquareTail(square / usual, size) < wild.probability;
-  }
-
-  std::vector<std::size_t> wildPoses(const Wild& wild) const {
-    const WhiteResidual white = whiteResidual(linear_);
-    const std::vector<double> squares = squaresOf(white.whitening, white.e);
-    const double usual = usualSquare(white.whitening, squares);
-    std::vector<std::size_t> bad;
-    for (std::size_t g = 0; g < squares.size(); ++g) {
-      if (isWild(squares[g], white.whitening.size(g), usual, wild)) bad.push_back(g);
-    }
-    // A run of them at the end (or the start) of the session is something that moved, not rows that went wrong.
-    if (isRunInTime(bad)) return {};
-    // More than a third is no sprinkling of wild rows.
-    if (bad.size() > squares.size() / 3) return {};
-    return bad;
-  }
-
-  bool isRunInTime(const std::vector<std::size_t>& bad) const {
-    if (bad.size() < 3) return false;
-    std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t g = 0; g < selection_.measured.groups.size(); ++g) {
-      const Sample& sample = selection_.measured.samples[selection_.measured.groups[g].front()];
-      if (!sample.stamp) return false;
-      order.emplace_back(*sample.stamp, g);
-    }
-    std::sort(order.begin(), order.end());
-    const auto is_bad = [&](std::size_t k) { return std::find(bad.begin(), bad.end(), order[k].second) != bad.end(); };
-    std::size_t late = 0, early = 0;
-    while (late < order.size() && is_bad(order.size() - 1 - late)) ++late;
-    while (early < order.size() && is_bad(early)) ++early;
-    return late >= 3 || early >= 3;
   }
 
   /// Poses that were not fitted, at the model with all findings.
@@ -337,32 +281,14 @@ class Selector {
   bool takeBack() {
     if (taken_back_ || selection_.findings.empty() || selection_.bad.empty()) return false;
     taken_back_ = true;
-    const MeasuredCell out = part(selection_.bad);
-    Linearised there = besideFindings(out);
-    there.noise.theta.resize(static_cast<Eigen::Index>(there.components.size()));
-    for (std::size_t i = 0; i < there.components.size(); ++i) {
-      const NoiseComponent& component = there.components[i];
-      there.noise.theta(static_cast<Eigen::Index>(i)) =
-          varianceOf(component.name, linear_.components, linear_.noise).value_or(component.start);
+    const MeasuredCell out = part(given_, selection_.bad);
+    std::vector<std::size_t> back;
+    for (const std::size_t g : explainedPoses(linear_, besideFindings(out))) {
+      for (const std::size_t k : out.groups[g]) back.push_back(selection_.bad[k]);
     }
-    const Whitening whitening(there.rows, there.components, there.noise.theta);
-    const std::vector<double> squares = squaresOf(whitening, whitening.apply(there.rows.r));
-    const WhiteResidual white = whiteResidual(linear_);
-    const double usual = usualSquare(white.whitening, squaresOf(white.whitening, white.e));
-    std::vector<bool> stays(given_.observations.size(), false);
-    for (const std::size_t k : selection_.bad) stays[k] = true;
-    const std::size_t before = selection_.bad.size();
-    for (std::size_t g = 0; g < squares.size(); ++g) {
-      // Where the camera's model has no pixel for any of them there is nothing that would speak against it.
-      const bool seen = std::any_of(there.rows.groups[g].begin(), there.rows.groups[g].end(), [&there](std::size_t k) {
-        const std::vector<bool>& valid = there.rows.observations[k].rows.valid;
-        return std::find(valid.begin(), valid.end(), true) != valid.end();
-      });
-      if (!seen || isWild(squares[g], whitening.size(g), usual, kWildAtLast)) continue;
-      for (const std::size_t k : out.groups[g]) stays[selection_.bad[k]] = false;
-    }
-    std::erase_if(selection_.bad, [&stays](std::size_t k) { return !stays[k]; });
-    if (selection_.bad.size() == before) return false;
+    if (back.empty()) return false;
+    std::sort(back.begin(), back.end());
+    std::erase_if(selection_.bad, [&back](std::size_t k) { return std::binary_search(back.begin(), back.end(), k); });
     useTheRest();
     linear_ = refit(selection_.measured, linear_.state, accepted(), scatter(), linear_.noise, {}, true);
     handBack();
@@ -371,15 +297,7 @@ class Selector {
 
   /// How far off the bad ones are beside all findings.
   void tellBad() {
-    if (selection_.bad.empty()) return;
-    const Linearised there = besideFindings(part(selection_.bad));
-    const Eigen::VectorXd squares = there.rows.r.cwiseAbs2().cwiseProduct(squareWeights(there.rows));
-    selection_.bad_rms.resize(selection_.bad.size());
-    for (const ObservationRows& each : there.rows.observations) {
-      const auto points = std::count(each.rows.valid.begin(), each.rows.valid.end(), true);
-      selection_.bad_rms[each.context.number] =
-          points > 0 ? std::sqrt(squares.segment(each.begin, each.size).sum() / static_cast<double>(points)) : 0.0;
-    }
+    if (!selection_.bad.empty()) selection_.bad_rms = rmsOfEach(besideFindings(part(given_, selection_.bad)).rows);
   }
 
   /// Takes poses out. @param groups  of selection_.measured
@@ -397,28 +315,7 @@ class Selector {
     for (std::size_t k = 0; k < given_.observations.size(); ++k) {
       if (!std::binary_search(selection_.bad.begin(), selection_.bad.end(), k)) kept_.push_back(k);
     }
-    selection_.measured = part(kept_);
-  }
-
-  /// Some of the observations that were given. @param numbers  ascending
-  MeasuredCell part(const std::vector<std::size_t>& numbers) const {
-    MeasuredCell some = given_;
-    some.observations.clear();
-    some.samples.clear();
-    some.groups.clear();
-    for (const std::size_t k : numbers) {
-      some.observations.push_back(given_.observations[k]);
-      some.samples.push_back(given_.samples[k]);
-    }
-    for (const std::vector<std::size_t>& group : given_.groups) {
-      std::vector<std::size_t> members;
-      for (const std::size_t k : group) {
-        const auto at = std::lower_bound(numbers.begin(), numbers.end(), k);
-        if (at != numbers.end() && *at == k) members.push_back(static_cast<std::size_t>(at - numbers.begin()));
-      }
-      if (!members.empty()) some.groups.push_back(members);
-    }
-    return some;
+    selection_.measured = part(given_, kept_);
   }
 
   const MeasuredCell& given_;

@@ -1,0 +1,20 @@
+// The cell as a search leaves it: geometry, effects and how well each is known.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/selection.hpp"
+#include "poecal/diagnosis/diagnose.hpp"
+
+namespace poecal {
+
+/// Sample deviations of the factors of each accepted effect, from the covariance of the last fit.
+std::vector<Eigen::VectorXd> factorDeviations(const Selection& selection);
+
+/// Of a joint that moves at random [rad] or [m].
+double scatterSigma(const Selection& selection, const FoundEffect& found);
+
+/// The model with its effects, and how the axes moved when these came in.
+void tellModel(const Selection& selection, const Identification& identification, Diagnosis& diagnosis);
+
+}  // namespace poecal

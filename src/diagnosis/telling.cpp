@@ -1,0 +1,274 @@
+#include "diagnosis/telling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "diagnosis/found_model.hpp"
+#include "diagnosis/refit.hpp"
+#include "diagnosis/screening.hpp"
+#include "poecal/core/statistics.hpp"
+
+namespace poecal {
+namespace {
+
+/// Effects and where they are, all scanned parameters together, as the data of this capture could tell of them.
+struct Sight {
+  double smallest = std::numeric_limits<double>::infinity();
+  std::string unit;
+  double times_typical = std::numeric_limits<double>::infinity();
+};
+
+std::map<std::pair<std::string, std::string>, Sight> sights(const Selection& selection) {
+  std::map<std::pair<std::string, std::string>, Sight> all;
+  for (std::size_t i = 0; i < selection.base_candidates.size(); ++i) {
+    const Candidate& candidate = selection.base_candidates[i];
+    if (!candidate.known()) continue;
+    Sight& sight = all[{candidate.name, candidate.location}];
+    const auto first = static_cast<std::size_t>(candidate.linear.front());
+    const double times = smallestSeen(selection.base_evidence[i].information);
+    if (times < sight.times_typical || sight.unit.empty()) {
+      sight = {times * candidate.typical(0), candidate.effect->parameters()[first].unit, times};
+    }
+  }
+  return all;
+}
+
+/// Why an effect that has its columns still shows nothing.
+std::string whyUnseen(const std::string& effect, const std::string& location, const MeasuredCell& measured) {
+  const bool at_joint = location.starts_with("joint:");
+  if (at_joint) {
+    const auto k = static_cast<Eigen::Index>(std::stoul(location.substr(6))) - 1;
+    const auto all = [&measured](auto is) { return std::all_of(measured.samples.begin(), measured.samples.end(), is); };
+    const Sample& first = measured.samples.front();
+    if (effect == "joint_backlash" && all([&](const Sample& s) { return s.dir(k) == first.dir(k); })) {
+      return fmt::format(
+          "the joint was always reached from the same side (dir{}): one half of its play is a joint zero, which no data can tell", k + 1);
+    }
+    if (effect == "joint_compliance" &&
+        std::abs(measured.start.arm->joints[static_cast<std::size_t>(k)].axis().dot(measured.gravity.normalized())) > 0.999 && k == 0) {
+      return "its axis is vertical: gravity has no moment about it";
+    }
+  }
+  return "what it moves is what the arm's axes and the two transforms around it may move too";
+}
+
+void fillParameters(const Accepted& accepted, const Eigen::VectorXd& deviation, Finding& finding) {
+  const Candidate& candidate = accepted.candidate;
+  if (!candidate.known()) return;
+  const std::vector<EffectParameter>& parameters = candidate.effect->parameters();
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    finding.parameters[parameters[i].name] = candidate.parameters(static_cast<Eigen::Index>(i));
+    finding.units[parameters[i].name] = parameters[i].unit;
+  }
+  for (std::size_t i = 0; i < candidate.linear.size(); ++i) {
+    const std::string& name = parameters[static_cast<std::size_t>(candidate.linear[i])].name;
+    finding.parameters[name] = accepted.factors(static_cast<Eigen::Index>(i));
+    finding.standard_deviation[name] = deviation(static_cast<Eigen::Index>(i));
+  }
+}
+
+void fillAlternatives(const Ranking& ranking, Finding& finding) {
+  constexpr double kWorthNaming = 0.005;
+  constexpr std::size_t kMost = 8;
+  finding.probability = ranking.probability(0);
+  finding.p_value = ranking.pValue();
+  for (std::size_t i = 1; i < ranking.answers.size() && finding.alternatives.size() < kMost; ++i) {
+    const RankedAnswer& other = ranking.answers[i];
+    const double probability = ranking.probability(i);
+    if (probability > kWorthNaming) finding.alternatives.push_back({other.name, other.location, other.driver, probability});
+  }
+  std::stable_sort(finding.alternatives.begin(), finding.alternatives.end(),
+                   [](const AlternativeCause& a, const AlternativeCause& b) { return a.probability > b.probability; });
+  if (finding.alternatives.empty()) return;
+  std::set<std::string> ways;
+  for (const std::string& name : {finding.effect, finding.alternatives.front().effect}) {
+    if (const EffectKind* kind = findEffectKind(name)) ways.insert(kind->separate);
+  }
+  for (const std::string& way : ways) finding.separate_with += (finding.separate_with.empty() ? "" : "; or ") + way;
+}
+
+Finding findingOf(const Selection& selection, const FoundEffect& found, const Eigen::VectorXd& deviation) {
+  Finding finding{.effect = found.name, .location = found.location, .driver = found.driver};
+  finding.log_evidence = found.log_bayes;
+  finding.chi_square = found.chi_square;
+  if (found.accepted) fillParameters(*found.accepted, deviation, finding);
+  if (found.scatter) {
+    finding.parameters["sigma"] = scatterSigma(selection, found);
+    finding.units["sigma"] = selection.measured.start.arm->joints[*found.scatter].type == JointType::kRevolute ? "rad" : "m";
+  }
+  fillAlternatives(found.ranking, finding);
+  if (const EffectKind* kind = findEffectKind(found.name)) finding.remedy = kind->remedy;
+  return finding;
+}
+
+}  // namespace
+
+Diagnosis tellFindings(const Selection& selection) {
+  Diagnosis diagnosis;
+  diagnosis.log_odds = selection.base_ranking.log_total;
+  diagnosis.answers = static_cast<int>(selection.candidates.size());
+  diagnosis.pixels = selection.measured.start.camera.has_value();
+  const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
+  std::size_t next = 0;
+  for (const FoundEffect& found : selection.findings) {
+    diagnosis.findings.push_back(findingOf(selection, found, found.accepted ? deviations[next++] : Eigen::VectorXd()));
+  }
+  return diagnosis;
+}
+
+void tellWhatCanBeSeen(const Selection& selection, Diagnosis& diagnosis) {
+  diagnosis.not_testable = selection.not_testable;
+  const auto is_found = [&selection](const std::pair<std::string, std::string>& name) {
+    return std::any_of(selection.findings.begin(), selection.findings.end(),
+                       [&name](const FoundEffect& found) { return found.name == name.first && found.location == name.second; });
+  };
+  for (const auto& [name, sight] : sights(selection)) {
+    if (sight.times_typical > kAbsurdSize && !is_found(name)) {
+      diagnosis.not_testable.push_back({name.first, name.second, whyUnseen(name.first, name.second, selection.measured)});
+    } else {
+      diagnosis.detectable.push_back({name.first, name.second, sight.smallest, sight.unit});
+    }
+  }
+  const std::vector<Joint>& joints = selection.measured.start.arm->joints;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    diagnosis.not_testable.push_back(
+        {"joint_offset", fmt::format("joint:{}", k + 1),
+         "a joint's zero is where all axes after it are turned to: it is part of the twists, not an effect beside them"});
+  }
+}
+
+void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
+  const NoiseEstimate& noise = selection.linear.noise;
+  std::vector<double> sigmas;
+  for (const ObservationRows& part : selection.linear.rows.observations)
+    sigmas.insert(sigmas.end(), part.unit_sigma.begin(), part.unit_sigma.end());
+  const double stated = sigmas.empty() ? 1.0 : median(sigmas);
+  const auto sigma = [&selection](const std::string& name) {
+    const std::optional<double> variance = varianceOf(name, selection.linear.components, selection.linear.noise);
+    return variance ? std::optional(std::sqrt(*variance)) : std::nullopt;
+  };
+  if (const auto corner = sigma(diagnosis.pixels ? "corner" : "position")) diagnosis.noise_sigma = stated * *corner;
+  diagnosis.tag_sigma = sigma("tag").value_or(0.0);
+  diagnosis.repeatability = sigma("repeatability").value_or(0.0);
+  if (const auto rotation = sigma("rotation")) {
+    const PoseMeasurement& pose = *selection.measured.observations.front().pose;
+    diagnosis.rotation_sigma = *rotation / pose.whitening(0, 0);
+  }
+  const bool repeats =
+      std::any_of(selection.measured.groups.begin(), selection.measured.groups.end(), [](const auto& g) { return g.size() > 1; });
+  diagnosis.noise_source = repeats ? "repeats" : "estimated";
+  diagnosis.arm_beyond_tolerance = noise.tolerance;
+}
+
+void tellWhere(const Selection& selection, Diagnosis& diagnosis) {
+  if (selection.findings.empty()) return;
+  Linearised before = refit(selection.measured, selection.base, {}, {}, selection.linear.noise, {}, false);
+  std::vector<Candidate> places;
+  for (const Candidate& candidate : selection.candidates) {
+    if (!candidate.known()) places.push_back(candidate);
+  }
+  const std::size_t curves = places.size();
+  for (const FoundEffect& found : selection.findings) {
+    if (found.accepted) places.push_back(found.accepted->candidate);
+  }
+  const std::vector<Evidence> evidence = screen(before, places);
+  double explained = 0.0;
+  for (std::size_t i = curves; i < places.size(); ++i) explained += evidence[i].chi_square;
+  explained = std::max(explained, 1.0);
+  std::map<std::pair<std::string, std::string>, GapPlace> found;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double chi_square = evidence[i].chi_square;
+    GapPlace place{places[i].location, places[i].driver, std::clamp((chi_square - evidence[i].dimension) / explained, 0.0, 1.0),
+                   std::min(1.0, static_cast<double>(places.size()) * chiSquareTail(chi_square, evidence[i].dimension))};
+    GapPlace& known = found[{place.location, place.driver}];
+    if (known.location.empty() || known.share < place.share) known = place;
+  }
+  for (const auto& [key, place] : found) {
+    if (place.p_value < 0.01 && place.share > 0.02) diagnosis.where.push_back(place);
+  }
+  std::stable_sort(diagnosis.where.begin(), diagnosis.where.end(), [](const GapPlace& a, const GapPlace& b) { return a.share > b.share; });
+  constexpr std::size_t kMost = 10;
+  if (diagnosis.where.size() > kMost) diagnosis.where.resize(kMost);
+}
+
+void tellRemaining(const Selection& selection, Diagnosis& diagnosis) {
+  std::vector<Candidate> curves;
+  for (const Candidate& candidate : selection.candidates) {
+    if (!candidate.known()) curves.push_back(candidate);
+  }
+  if (curves.empty()) return;
+  const std::vector<Evidence> evidence = screen(selection.linear, curves);
+  const double all = static_cast<double>(curves.size());
+  std::size_t best = 0;
+  double total = 0.0;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    total += std::exp(std::min(700.0, evidence[i].log_bayes)) / all;
+    if (evidence[i].log_bayes > evidence[best].log_bayes) best = i;
+  }
+  diagnosis.remaining_p_value = std::min(1.0, 1.0 / total);
+  diagnosis.remaining_significant = diagnosis.remaining_p_value < 0.01;
+  if (!diagnosis.remaining_significant) return;
+  diagnosis.remaining_location = curves[best].location;
+  diagnosis.remaining_driver = curves[best].driver;
+}
+
+void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
+  const auto seen = sights(selection);
+  std::map<std::string, Explained> answers;
+  for (std::size_t i = 0; i < selection.base_candidates.size(); ++i) {
+    const Candidate& candidate = selection.base_candidates[i];
+    const Evidence& evidence = selection.base_evidence[i];
+    Explained& explained = answers[candidate.answer()];
+    if (!explained.effect.empty() && explained.log_evidence > evidence.log_bayes) continue;
+    explained = {candidate.name, candidate.location, candidate.driver, evidence.log_bayes, evidence.chi_square, 0.0, 0.0, ""};
+    const auto sight = seen.find({candidate.name, candidate.location});
+    if (sight != seen.end()) {
+      explained.smallest = sight->second.smallest;
+      explained.unit = sight->second.unit;
+    }
+  }
+  std::vector<const Ranking*> rankings{&selection.base_ranking};
+  for (const FoundEffect& found : selection.findings) rankings.push_back(&found.ranking);
+  for (const Ranking* ranking : rankings) {
+    for (std::size_t i = 0; i < ranking->answers.size(); ++i) {
+      const RankedAnswer& answer = ranking->answers[i];
+      Explained& explained = answers[answer.name + "@" + answer.location + "/" + answer.driver];
+      explained.effect = answer.name;
+      explained.location = answer.location;
+      explained.driver = answer.driver;
+      explained.log_evidence = answer.log_bayes;
+      explained.probability = std::max(explained.probability, ranking->probability(i));
+    }
+  }
+  for (const auto& [name, explained] : answers) diagnosis.explained.push_back(explained);
+  std::stable_sort(diagnosis.explained.begin(), diagnosis.explained.end(),
+                   [](const Explained& a, const Explained& b) { return a.log_evidence > b.log_evidence; });
+}
+
+void tellBad(const Selection& selection, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
+             Diagnosis& diagnosis) {
+  if (selection.bad.empty()) return;
+  Finding finding{.effect = "bad_samples", .location = "samples", .driver = "none"};
+  finding.probability = 1.0;
+  finding.p_value = 1e-9;
+  finding.remedy = effectKind("bad_samples").remedy;
+  for (std::size_t i = 0; i < selection.bad.size(); ++i) {
+    const std::size_t sample = observations[selection.bad[i]].sample;
+    diagnosis.bad_samples.push_back({sample, selection.bad_rms[i]});
+    finding.images.push_back(samples[sample].image.empty() ? fmt::format("line {}", samples[sample].line) : samples[sample].image);
+  }
+  finding.parameters["share"] = static_cast<double>(selection.bad.size()) / static_cast<double>(observations.size());
+  finding.units["share"] = "";
+  // A tag that was fitted a few hundredths of a pixel off is left out, but its joints and picture do belong together.
+  constexpr double kWrong = 0.1;  // [px]
+  const double worst = *std::max_element(selection.bad_rms.begin(), selection.bad_rms.end());
+  if (!diagnosis.pixels || worst > kWrong) diagnosis.findings.push_back(std::move(finding));
+}
+
+}  // namespace poecal

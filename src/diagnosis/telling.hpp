@@ -1,0 +1,33 @@
+// What a search found, as a Diagnosis says it: each function fills its own part.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/selection.hpp"
+#include "poecal/diagnosis/diagnose.hpp"
+
+namespace poecal {
+
+/// The findings with their parameters, probabilities and alternatives; without shrinkage.
+Diagnosis tellFindings(const Selection& selection);
+
+void tellNoise(const Selection& selection, Diagnosis& diagnosis);
+
+/// Places and drivers at which the identified model leaves structure, by the noise that remains at the end.
+void tellWhere(const Selection& selection, Diagnosis& diagnosis);
+
+/// Whether there is structure yet beside all findings, and where most of it.
+void tellRemaining(const Selection& selection, Diagnosis& diagnosis);
+
+/// The smallest size of each effect that the capture would have shown, and what it cannot tell of and why.
+void tellWhatCanBeSeen(const Selection& selection, Diagnosis& diagnosis);
+
+/// Every answer that was weighed.
+void tellExplained(const Selection& selection, Diagnosis& diagnosis);
+
+/// The rows that belong to no model, and the finding that they are.
+/// @param observations, samples  that were given, which the selection's numbers are of.
+void tellBad(const Selection& selection, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
+             Diagnosis& diagnosis);
+
+}  // namespace poecal
