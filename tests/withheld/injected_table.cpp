@@ -24,8 +24,12 @@ bool says(const Answer& answer, const TrueEffect& effect) {
   return std::any_of(answer.findings.begin(), answer.findings.end(), [&](const Finding& finding) { return effect.is(finding.place()); });
 }
 
-bool has(const Answer& answer, const std::string& place) {
-  return std::any_of(answer.findings.begin(), answer.findings.end(), [&](const Finding& finding) { return finding.place() == place; });
+/// Whether a place is among the findings or what these may be instead.
+bool names(const Answer& answer, const std::string& place) {
+  const auto is_it = [&place](const Named& named) { return named.place() == place; };
+  return std::any_of(answer.findings.begin(), answer.findings.end(), [&](const Finding& finding) {
+    return is_it(finding) || std::any_of(finding.alternatives.begin(), finding.alternatives.end(), is_it);
+  });
 }
 
 Row rowOf(const Scored& scored, const Scored* alone) {
@@ -37,7 +41,7 @@ Row rowOf(const Scored& scored, const Scored* alone) {
   row.absent = row.answered_alone && !says(alone->answer, *row.effect);
   for (const Finding& finding : scored.answer.findings) {
     if (finding.place() == placeName(row.effect->effect, row.effect->location)) row.by_name = &finding;
-    if (!row.effect->is(finding.place()) && !(alone != nullptr && has(alone->answer, finding.place())))
+    if (!row.effect->is(finding.place()) && !(alone != nullptr && names(alone->answer, finding.place())))
       row.else_new.push_back(finding.place());
   }
   return row;

@@ -108,6 +108,11 @@ TEST(Injected, IsHeldAgainstTheRecordingAsItIs) {
   const std::string always = injected({ofRecording({}, {named}), ofRecording({gain}, {named, pedestal})});
   EXPECT_THAT(always, testing::HasSubstr("| all | absent from the recording as it is | 0.0 % (0/1"));
   EXPECT_THAT(always, testing::HasSubstr("| all | nothing else new | 0.0 % (0/1"));
+  Finding doubtful = pedestal;
+  doubtful.alternatives.push_back(finding("link_bending", "link:1", "gravity"));
+  const std::string other_of_two =
+      injected({ofRecording({}, {doubtful}), ofRecording({gain}, {named, finding("link_bending", "link:1", "gravity")})});
+  EXPECT_THAT(other_of_two, testing::HasSubstr("| all | nothing else new | 100.0 % (1/1"));
 }
 
 TEST(Wilson, HasTheKnownEnds) {
