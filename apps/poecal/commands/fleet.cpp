@@ -15,7 +15,7 @@ Example:
   $ poecal fleet results/* --out fleet.csv
                         nominal  registered  identified
   name       pictures        px          px          px        mm  warnings  diagnosis
-  cell-1        60/60     3.030       3.125       0.005     0.047         0  nothing
+  cell-1        60/60     3.042       3.125       0.005     0.046         0  nothing
   cell-2        80/80     3.239       3.150       0.179     1.352         0  joint_coupling at joint:6 (ratio 0.0009735, source 5); gap shrinks by 70 %
   cell-3        80/80     3.467       3.453       0.209     1.304         0  joint_backlash at joint:2 (half_gap 0.0002968 rad); gap shrinks by 77 %
   cell-4        80/80         -           -           -         -         0  -

@@ -15,9 +15,9 @@ Example:
   identified cobot6 by bundle from 60 poses
                 calibration                               poses that the fit did not see
                 px rms, mean mm and mrad at the flange
-    nominal         3.030 px      3.675 mm    6.217 mrad      3.030 px      3.675 mm    6.217 mrad
-    registered      2.776 px      3.539 mm    6.910 mrad      3.125 px      3.809 mm    7.199 mrad
-    identified      0.004 px      0.038 mm    0.084 mrad      0.005 px      0.047 mm    0.085 mrad
+    nominal         3.042 px      3.660 mm    6.218 mrad      3.042 px      3.660 mm    6.218 mrad
+    registered      2.776 px      3.539 mm    6.911 mrad      3.125 px      3.809 mm    7.200 mrad
+    identified      0.004 px      0.037 mm    0.084 mrad      0.005 px      0.046 mm    0.085 mrad
 )";
 
 }  // namespace
