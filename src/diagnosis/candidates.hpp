@@ -33,6 +33,11 @@ struct Entry {
   bool operator<(const Entry& other) const { return std::pair(reach, joint) < std::pair(other.reach, other.joint); }
 };
 
+/// "joint_slip@joint:2/stamp".
+inline std::string answerName(const std::string& name, const std::string& location, const std::string& driver) {
+  return name + "@" + location + "/" + driver;
+}
+
 /// One explanation. Its columns are the derivatives of the rows by its linear parameters.
 struct Candidate {
   std::optional<Effect> effect;  ///< a named one, or
@@ -56,8 +61,8 @@ struct Candidate {
   /// @param found  size of each own factor, in its unit.
   Eigen::VectorXd spread(double scale, const Eigen::VectorXd& found) const;
   Entry entry() const;
-  /// "joint_slip@joint:2/stamp": what is one answer, whatever its scanned parameters.
-  std::string answer() const { return name + "@" + location + "/" + driver; }
+  /// What is one answer, whatever its scanned parameters.
+  std::string answer() const { return answerName(name, location, driver); }
 };
 
 struct CandidateList {

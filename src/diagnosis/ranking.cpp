@@ -163,7 +163,7 @@ class Ranker {
     const std::size_t joints = measured_.start.arm->joints.size();
     for (std::size_t k = 0; k < joints; ++k) {
       RankedAnswer answer{.name = "joint_scatter", .location = "joint:" + std::to_string(k + 1), .driver = "none", .scatter = k};
-      if (std::find(taken.begin(), taken.end(), answer.name + "@" + answer.location + "/none") != taken.end()) continue;
+      if (std::find(taken.begin(), taken.end(), answerName(answer.name, answer.location, answer.driver)) != taken.end()) continue;
       constexpr double kWorthTrying = 0.0;
       // Joints are not all alike, and good ones come back to some 1e-5 rad: one is beyond that where it moves twice as far as they do
       // together, and farther than any catalogue allows.

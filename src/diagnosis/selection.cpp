@@ -85,7 +85,7 @@ class Selector {
     std::vector<std::string> all;
     for (std::size_t i = 0; i < selection_.findings.size(); ++i) {
       const FoundEffect& found = selection_.findings[i];
-      if (i != without) all.push_back(found.name + "@" + found.location + "/" + found.driver);
+      if (i != without) all.push_back(answerName(found.name, found.location, found.driver));
     }
     return all;
   }

@@ -93,6 +93,15 @@ void fillAlternatives(const Ranking& ranking, Finding& finding) {
   for (const std::string& way : ways) finding.separate_with += (finding.separate_with.empty() ? "" : "; or ") + way;
 }
 
+/// Curves of unknown shape, of every driver at every place.
+std::vector<Candidate> curvesOf(const Selection& selection) {
+  std::vector<Candidate> curves;
+  for (const Candidate& candidate : selection.candidates) {
+    if (!candidate.known()) curves.push_back(candidate);
+  }
+  return curves;
+}
+
 Finding findingOf(const Selection& selection, const FoundEffect& found, const Eigen::VectorXd& deviation) {
   Finding finding{.effect = found.name, .location = found.location, .driver = found.driver};
   finding.log_evidence = found.log_bayes;
@@ -169,10 +178,7 @@ void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
 void tellWhere(const Selection& selection, Diagnosis& diagnosis) {
   if (selection.findings.empty()) return;
   Linearised before = refit(selection.measured, selection.base, {}, {}, selection.linear.noise, {}, false);
-  std::vector<Candidate> places;
-  for (const Candidate& candidate : selection.candidates) {
-    if (!candidate.known()) places.push_back(candidate);
-  }
+  std::vector<Candidate> places = curvesOf(selection);
   const std::size_t curves = places.size();
   for (const FoundEffect& found : selection.findings) {
     if (found.accepted) places.push_back(found.accepted->candidate);
@@ -198,10 +204,7 @@ void tellWhere(const Selection& selection, Diagnosis& diagnosis) {
 }
 
 void tellRemaining(const Selection& selection, Diagnosis& diagnosis) {
-  std::vector<Candidate> curves;
-  for (const Candidate& candidate : selection.candidates) {
-    if (!candidate.known()) curves.push_back(candidate);
-  }
+  const std::vector<Candidate> curves = curvesOf(selection);
   if (curves.empty()) return;
   const std::vector<Evidence> evidence = screen(selection.linear, curves);
   const double all = static_cast<double>(curves.size());
@@ -238,7 +241,7 @@ void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
   for (const Ranking* ranking : rankings) {
     for (std::size_t i = 0; i < ranking->answers.size(); ++i) {
       const RankedAnswer& answer = ranking->answers[i];
-      Explained& explained = answers[answer.name + "@" + answer.location + "/" + answer.driver];
+      Explained& explained = answers[answerName(answer.name, answer.location, answer.driver)];
       explained.effect = answer.name;
       explained.location = answer.location;
       explained.driver = answer.driver;
