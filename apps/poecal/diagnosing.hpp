@@ -36,9 +36,9 @@ IdentifiedModel identifiedModel(const Identification& identification);
 /// The same from FOLDER/identification.json and FOLDER/model.yaml. @throws FileError where they are not what identify writes.
 IdentifiedModel readIdentifiedModel(const std::filesystem::path& folder);
 
-/// As diagnoseCapture(), but OUT/model.yaml is the identified one where that predicts unseen poses clearly better: it re-fitted a lens that no
-/// single effect mends, or what is left is of a shape that no model file can hold. So it is where the capture is too small for a diagnosis,
-/// which text and diagnosis.json (verdict: insufficient data, why: ...) then say.
+/// As diagnoseCapture(), but OUT/model.yaml is the identified one where that predicts unseen poses clearly better: it re-fitted a lens that
+/// no single effect mends, or what is left is of a shape that no model file can hold. So it is where the capture is too small for a
+/// diagnosis, which text and diagnosis.json (verdict: insufficient data, why: ...) then say.
 Diagnosing diagnoseIdentified(const CaptureInputs& inputs, const Identification& start, const IdentifiedModel& identified,
                               const IdentifyOptions& options, const std::filesystem::path& out);
 

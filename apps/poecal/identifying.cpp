@@ -23,7 +23,8 @@ std::string errorText(const ErrorSummary& errors) {
 /// nominal -> registered -> identified, on calibration and on held-out poses.
 std::string ladder(const Identification& identification) {
   const bool pixels = identification.stages.front().calibration.corners > 0;
-  std::string text = fmt::format("  {:<12}{:<42}{}\n", "", "calibration", identification.leave_one_out ? "each pose held out alone" : "poses that the fit did not see");
+  std::string text = fmt::format("  {:<12}{:<42}{}\n", "", "calibration",
+                                 identification.leave_one_out ? "each pose held out alone" : "poses that the fit did not see");
   text += fmt::format("  {:<12}{}\n", "", pixels ? "px rms, mean mm and mrad at the flange" : "mean mm and mrad");
   for (const Stage& stage : identification.stages) {
     text += fmt::format("  {:<12}{:<42}{}\n", stage.name, errorText(stage.calibration), errorText(stage.held_out));
@@ -40,7 +41,9 @@ std::string suspectText(const Identification& identification, const std::vector<
     text += fmt::format("  {}: line {}{}, {:.1f} sigma\n", row.left_out ? "left out" : "outlier", sample.line,
                         sample.image.empty() ? "" : " (" + sample.image + ")", row.sigmas);
   }
-  if (identification.suspects.size() > kShown) text += fmt::format("  and {} more, see identification.json\n", identification.suspects.size() - kShown);
+  if (identification.suspects.size() > kShown) {
+    text += fmt::format("  and {} more, see identification.json\n", identification.suspects.size() - kShown);
+  }
   return text;
 }
 
@@ -50,11 +53,13 @@ Identifying finish(Identification identification, const std::vector<Sample>& sam
   writeTextFile(out / "identification.json", report);
   warnAll(identification.warnings);
   Identifying result;
-  result.text = fmt::format("identified {} by {} from {} poses\n", identification.model.cell.arm->name, methodName(identification.method), identification.poses);
+  result.text = fmt::format("identified {} by {} from {} poses\n", identification.model.cell.arm->name, methodName(identification.method),
+                            identification.poses);
   if (!identification.stages.empty()) result.text += ladder(identification);
   if (identification.model.cell.camera && identification.method == Method::kBundle) {
     result.text += identification.sigmas_stated
-                       ? fmt::format("  noise {:.3f} of what the corners state, chi-square per degree of freedom {:.3f}\n", identification.scale, identification.reduced_chi_square)
+                       ? fmt::format("  noise {:.3f} of what the corners state, chi-square per degree of freedom {:.3f}\n",
+                                     identification.scale, identification.reduced_chi_square)
                        : fmt::format("  noise {:.3f} px per axis\n", identification.scale);
   }
   result.text += suspectText(identification, samples);
@@ -82,11 +87,13 @@ void addToleranceOptions(CLI::App& app, IdentifyOptions& options) {
 }
 
 void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
-  app.add_option_function<std::string>("--method", [&options](const std::string& name) { options.method = methodFromName(name); },
-                                       "gao (the paper's algorithm), weighted, or bundle (default)")
+  app.add_option_function<std::string>(
+         "--method", [&options](const std::string& name) { options.method = methodFromName(name); },
+         "gao (the paper's algorithm), weighted, or bundle (default)")
       ->check(CLI::IsMember({"gao", "weighted", "bundle"}));
   addToleranceOptions(app, options);
-  app.add_option("--hold-out", options.hold_out_every, "Every how-manieth pose judges a fit instead of entering it, in as many turns; 0: none")
+  app.add_option("--hold-out", options.hold_out_every,
+                 "Every how-manieth pose judges a fit instead of entering it, in as many turns; 0: none")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--leave-one-out", options.leave_one_out, "Each pose judges alone (done by itself up to 25 poses)");
@@ -97,21 +104,24 @@ void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
          [&options](const std::string& name) {
            options.camera = name == "stated" ? CameraChoice::kStated : name == "free" ? CameraChoice::kFree : CameraChoice::kAuto;
          },
-         "stated (held), free (re-fitted), or auto (default): as a nuisance within its stated deviations, or re-fitted where held-out poses ask for it")
+         "stated (held), free (re-fitted), or auto (default): as a nuisance within its stated deviations, or re-fitted where held-out "
+         "poses ask for it")
       ->check(CLI::IsMember({"auto", "stated", "free"}));
 }
 
 Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions options, const RegistrationResult* registration) {
   const Capture& capture = inputs.capture;
   if (!inputs.cell.arm) {
-    throw InsufficientData(fmt::format("{} has no joint readings (columns q1, q2, ...): only registration is possible (poecal measure)", capture.table.file.string()));
+    throw InsufficientData(fmt::format("{} has no joint readings (columns q1, q2, ...): only registration is possible (poecal measure)",
+                                       capture.table.file.string()));
   }
   for (const ImageCorners& image : inputs.detections.images) {
     for (const Corner& corner : image.corners) options.sigmas_stated = options.sigmas_stated || std::isfinite(corner.sigma);
   }
   Identification identification;
   try {
-    identification = identify(inputs.cell, inputs.observations, observationGroups(inputs.observations, capture.table.samples), options, registration);
+    identification =
+        identify(inputs.cell, inputs.observations, observationGroups(inputs.observations, capture.table.samples), options, registration);
   } catch (const ImplausibleInput& suspicion) {
     throw FileError(capture.table.file, 1, suspicion.what());
   }

@@ -1,7 +1,7 @@
 #include "inputs.hpp"
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "board_folder.hpp"
 #include "poecal/core/content_key.hpp"

@@ -43,7 +43,8 @@ struct CaptureInputs {
 };
 
 /// Reads a capture. Intrinsics are found from their pictures where it names a folder of them (OUT/camera.yaml), corners where it names no
-/// detections.csv (OUT/detections.csv, OUT/detections-pictures.csv); what stands in OUT from the same inputs is not done again, picture by picture.
+/// detections.csv (OUT/detections.csv, OUT/detections-pictures.csv); what stands in OUT from the same inputs is not done again, picture by
+/// picture.
 CaptureInputs loadCapture(const CaptureSource& source, const std::filesystem::path& out, const Common& common);
 
 /// Pictures of which none shows the target calibrate nothing. @throws InsufficientData, with the last note: where it is known, it says why.

@@ -17,7 +17,8 @@ std::string registrationYaml(const CaptureInputs& inputs, const RegistrationResu
   const Registration& registration = result.cell.registration;
   const Eigen::VectorXd deviation = result.adjustment.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   const auto block = [&deviation](int begin) {
-    return fmt::format("{{rotation: {}, translation: {}}}", yamlVector(deviation.segment<3>(begin)), yamlVector(deviation.segment<3>(begin + 3)));
+    return fmt::format("{{rotation: {}, translation: {}}}", yamlVector(deviation.segment<3>(begin)),
+                       yamlVector(deviation.segment<3>(begin + 3)));
   };
   std::string text = "format: poecal-registration/1\n";
   text += fmt::format("setup: {}\n", setupName(registration.setup));
@@ -25,11 +26,12 @@ std::string registrationYaml(const CaptureInputs& inputs, const RegistrationResu
   text += fmt::format("T_{}_target: {}\n", registration.farFrame(), yamlPose(registration.T_far_target));
   text += "standard_deviation:  # of left perturbations (rotation, translation) in the first-named frame, rad and m\n";
   text += fmt::format("  T_camera_{}: {}\n  T_{}_target: {}\n", registration.nearFrame(), block(0), registration.farFrame(), block(6));
-  const auto left_out = std::count_if(result.samples.begin(), result.samples.end(), [](const RegisteredSample& sample) { return sample.left_out; });
+  const auto left_out =
+      std::count_if(result.samples.begin(), result.samples.end(), [](const RegisteredSample& sample) { return sample.left_out; });
   text += fmt::format("pictures: {}\npictures_with_corners: {}\npictures_left_out: {}\n", inputs.capture.table.samples.size(),
                       inputs.observations.size(), left_out);
-  text += fmt::format("rms_px: {}\nrms_all_px: {}\nfree_rms_px: {}\ncorner_sigma_px: {}\n", formatNumber(result.rms_px), formatNumber(result.rms_all_px),
-                      formatNumber(result.free_rms_px), formatNumber(result.corner_sigma_px));
+  text += fmt::format("rms_px: {}\nrms_all_px: {}\nfree_rms_px: {}\ncorner_sigma_px: {}\n", formatNumber(result.rms_px),
+                      formatNumber(result.rms_all_px), formatNumber(result.free_rms_px), formatNumber(result.corner_sigma_px));
   return text;
 }
 
@@ -38,7 +40,10 @@ std::string flangePosesCsv(const CaptureInputs& inputs, const RegistrationResult
   std::vector<std::string> header{"image"};
   const int joints = inputs.cell.arm ? inputs.cell.arm->jointCount() : 0;
   for (int k = 1; k <= joints; ++k) header.push_back(fmt::format("q{}", k));
-  for (const char* name : {"x", "y", "z", "qx", "qy", "qz", "qw", "sigma_position", "sigma_rotation", "rms_px", "free_rms_px", "left_out"}) header.emplace_back(name);
+  for (const char* name :
+       {"x", "y", "z", "qx", "qy", "qz", "qw", "sigma_position", "sigma_rotation", "rms_px", "free_rms_px", "left_out"}) {
+    header.emplace_back(name);
+  }
   for (int row = 1; row <= 6; ++row) {
     for (int column = row; column <= 6; ++column) header.push_back(fmt::format("cov{}{}", row, column));
   }
@@ -86,8 +91,9 @@ Measuring measureCapture(const CaptureInputs& inputs, const std::filesystem::pat
     left_out += fmt::format("  left out: {} (line {}), {:.2f} px\n", row.image, row.line, sample.rms_px);
     bad.push_back({{"image", row.image}, {"line", row.line}, {"rms_px", sample.rms_px}});
   }
-  measuring.text = fmt::format("registered {} pictures: {:.3f} px rms ({:.3f} px with every picture, {:.3f} px with a free pose for each)\n", result.samples.size(),
-                               result.rms_px, result.rms_all_px, result.free_rms_px);
+  measuring.text =
+      fmt::format("registered {} pictures: {:.3f} px rms ({:.3f} px with every picture, {:.3f} px with a free pose for each)\n",
+                  result.samples.size(), result.rms_px, result.rms_all_px, result.free_rms_px);
   measuring.text += fmt::format("  camera in {}: {:.4f} {:.4f} {:.4f} m\n", registration.nearFrame(), camera.x(), camera.y(), camera.z());
   measuring.text += left_out;
   if (!inputs.cell.arm) measuring.text += "  no joint readings: only registration is possible, the arm cannot be identified\n";

@@ -3,9 +3,9 @@
 #include <cassert>
 #include <cmath>
 
-#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include "camera/distortion.hpp"
 #include "poecal/core/error.hpp"

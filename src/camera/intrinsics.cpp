@@ -255,9 +255,10 @@ IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int wi
   result.views = std::move(residuals);
 
   result.warnings = pictureWarnings(result);
-  if (!chosen.converged)
+  if (!chosen.converged) {
     result.warnings.push_back(
         fmt::format("the fit did not settle within {} iterations: a model with fewer coefficients may be enough", options.max_iterations));
+  }
   for (const std::string& warning : coefficientWarnings(chosen)) result.warnings.push_back(warning);
   constexpr double kLittleTilt_rad = 15.0 * M_PI / 180.0;
   const double spread = tiltSpread(all.views, all.fit.estimate.T_camera_target);

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <fmt/format.h>
 
 #include "camera/intrinsics_start.hpp"
 #include "poecal/core/error.hpp"

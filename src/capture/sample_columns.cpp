@@ -131,8 +131,9 @@ Sample SampleColumns::read(std::size_t row) const {
   sample.dir.resize(static_cast<Eigen::Index>(dir_.size()));
   for (std::size_t k = 0; k < dir_.size(); ++k) {
     const long direction = table_.integer(row, dir_[k]);
-    if (direction < -1 || direction > 1)
+    if (direction < -1 || direction > 1) {
       throw FileError(table_.file(), sample.line, fmt::format("dir{} is {}, expected -1, 0 or 1", k + 1, direction));
+    }
     sample.dir(static_cast<Eigen::Index>(k)) = static_cast<double>(direction);
   }
   if (pose_ && !table_.text(row, *pose_).empty()) sample.pose = table_.integer(row, *pose_);

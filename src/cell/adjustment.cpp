@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 
 #include "cell/linearisation.hpp"
 #include "poecal/core/error.hpp"

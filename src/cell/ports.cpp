@@ -9,8 +9,9 @@ namespace poecal {
 namespace {
 
 void checkLength(const char* port, Eigen::Index size, Eigen::Index expected) {
-  if (size != 0 && size != expected)
+  if (size != 0 && size != expected) {
     throw InvalidArgument(fmt::format("a disturbance has {} values for {}, expected {}", size, port, expected));
+  }
 }
 
 void checkArmPorts(const Cell& cell, const Sample& sample, const Disturbance& disturbance) {
@@ -200,8 +201,9 @@ PortJacobian portJacobian(const Cell& cell, const Sample& sample, const std::vec
   PortJacobian jacobian;
   jacobian.pose = posePortJacobian(cell, sample, at);
   Observation observation;
-  for (std::size_t j = 0; j < points.size(); ++j)
+  for (std::size_t j = 0; j < points.size(); ++j) {
     observation.corners.push_back({.id = points[j].id, .p_target = shapedPoint(points, at, j)});
+  }
   SampleRows rows;
   evaluateRows(disturbed, observation, jacobian.pose.T_camera_target, true, rows);
   jacobian.J_px_pose = rows.H;

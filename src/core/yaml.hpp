@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <yaml-cpp/yaml.h>
 #include <Eigen/Core>
+#include <yaml-cpp/yaml.h>
 
 namespace poecal {
 

@@ -105,8 +105,9 @@ cv::Size commonSize(const std::vector<PictureFinding>& findings, const DetectOpt
 
 void DetectOptions::validate() const {
   if (jobs < 0) throw InvalidArgument(fmt::format("jobs is {}, expected 0 or more", jobs));
-  if (!(quad_decimate >= 1.0 && quad_decimate <= 16.0))
+  if (!(quad_decimate >= 1.0 && quad_decimate <= 16.0)) {
     throw InvalidArgument(fmt::format("quad_decimate is {}, expected 1 to 16", quad_decimate));
+  }
   if (expected_width < 0 || expected_height < 0 || (expected_width == 0) != (expected_height == 0)) {
     throw InvalidArgument(
         fmt::format("the expected size is {} x {}, expected two positive numbers or 0 x 0", expected_width, expected_height));

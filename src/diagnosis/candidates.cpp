@@ -222,8 +222,9 @@ class Curves {
       candidate.typical = smooth(count, kTypicalRadian, driver.bend);
     } else {
       candidate.typical.resize(6 * count);
-      for (int axis = 0; axis < 6; ++axis)
+      for (int axis = 0; axis < 6; ++axis) {
         candidate.typical.segment(axis * count, count) = smooth(count, axis < 3 ? kTypicalRadian : kTypicalMetre, driver.bend);
+      }
     }
     push(std::move(candidate));
   }

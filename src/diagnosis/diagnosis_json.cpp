@@ -94,8 +94,9 @@ std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>&
                    {"line", samples[row.sample].line},
                    {diagnosis.pixels ? "rms_px" : "distance", row.residual}});
   }
-  for (const AxisMove& move : diagnosis.axis_moves)
+  for (const AxisMove& move : diagnosis.axis_moves) {
     moves.push_back({{"joint", move.joint}, {"tilt_mrad", 1e3 * move.tilt}, {"shift_mm", 1e3 * move.shift}});
+  }
   const Json json{{"format", "poecal-diagnosis/1"},
                   {"verdict", diagnosis.findings.empty() ? "none" : "effects"},
                   {"search", {{"explanations", diagnosis.answers}, {"log_odds_against_none", diagnosis.log_odds}}},

@@ -47,8 +47,9 @@ std::string howFar(const Shrinkage& shrinkage) {
   constexpr double kWorthwhile = 0.05;
   const std::string range = fmt::format("({} to {})", percent(shrinkage.interval.first), percent(shrinkage.interval.second));
   if (shrinkage.claimed()) return fmt::format("  how far: the gap shrinks by {} {}\n", percent(shrinkage.value), range);
-  if (shrinkage.interval.second > kWorthwhile)
+  if (shrinkage.interval.second > kWorthwhile) {
     return fmt::format("  how far: these poses do not tell {}: too few of them show it\n", range);
+  }
   return "  how far: no smaller on poses that the fit did not see; the twists had swallowed it\n";
 }
 
@@ -115,8 +116,9 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
   const std::vector<std::string> untested = untestedLines(diagnosis);
   constexpr std::size_t kShown = 6;
   for (std::size_t k = 0; k < untested.size() && k < kShown; ++k) text += fmt::format("  not tested: {}\n", untested[k]);
-  if (untested.size() > kShown)
+  if (untested.size() > kShown) {
     text += fmt::format("  and {} more that this capture cannot test, see diagnosis.json\n", untested.size() - kShown);
+  }
   return text;
 }
 

@@ -40,8 +40,9 @@ bool isWorse(const Linearised& here, const Place& before) {
 
 /// An accepted effect's factors as parameters of the effect.
 void enter(const Accepted& one, Eigen::VectorXd& parameters) {
-  for (std::size_t i = 0; i < one.candidate.linear.size(); ++i)
+  for (std::size_t i = 0; i < one.candidate.linear.size(); ++i) {
     parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
+  }
 }
 
 /// A place moved by a share of its solution, with the factors of what was accepted.

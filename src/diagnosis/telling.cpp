@@ -155,8 +155,9 @@ void tellWhatCanBeSeen(const Selection& selection, Diagnosis& diagnosis) {
 void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
   const NoiseEstimate& noise = selection.linear.noise;
   std::vector<double> sigmas;
-  for (const ObservationRows& part : selection.linear.rows.observations)
+  for (const ObservationRows& part : selection.linear.rows.observations) {
     sigmas.insert(sigmas.end(), part.unit_sigma.begin(), part.unit_sigma.end());
+  }
   const double stated = sigmas.empty() ? 1.0 : median(sigmas);
   const auto sigma = [&selection](const std::string& name) {
     const std::optional<double> variance = varianceOf(name, selection.linear.components, selection.linear.noise);

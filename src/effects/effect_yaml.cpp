@@ -49,8 +49,9 @@ std::string namedNumbers(const Effect& effect, const Eigen::VectorXd& values) {
 
 std::string namedUnits(const Effect& effect) {
   std::vector<std::string> pairs;
-  for (const EffectParameter& parameter : effect.parameters())
+  for (const EffectParameter& parameter : effect.parameters()) {
     pairs.push_back(fmt::format("{}: {}", parameter.name, yamlText(parameter.unit)));
+  }
   return fmt::format("{{{}}}", fmt::join(pairs, ", "));
 }
 

@@ -73,8 +73,9 @@ Eigen::Vector2d outwardOf(const CaptureContext& capture, const Eigen::Isometry3d
 
 void addPoints(const CaptureContext& capture, const std::vector<TargetPoint>& points, SampleContext& context) {
   if (!capture.cell.camera) {
-    for (const TargetPoint& point : points)
+    for (const TargetPoint& point : points) {
       context.points.push_back({.id = point.id, .p_target = point.p_target, .px = Eigen::Vector2d::Constant(kNaN)});
+    }
     return;
   }
   const Eigen::Isometry3d T_base_flange = context.chain.P.empty() ? capture.cell.baseFlange(context.sample) : context.chain.T_base_flange;

@@ -28,9 +28,12 @@ So3Coefficients so3Coefficients(double a) {
   // Below 0.5 rad f3 loses digits to cancellation; eight terms of its series reach 1e-17 there.
   if (a < 0.5) {
     const double x = a * a;
-    return {alternatingSeries<8>(x, {1.0, 1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800.0, 1.0 / 1307674368000.0}),
-            alternatingSeries<8>(x, {1.0 / 2, 1.0 / 24, 1.0 / 720, 1.0 / 40320, 1.0 / 3628800, 1.0 / 479001600.0, 1.0 / 87178291200.0, 1.0 / 20922789888000.0}),
-            alternatingSeries<8>(x, {1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800.0, 1.0 / 1307674368000.0, 1.0 / 355687428096000.0})};
+    return {alternatingSeries<8>(
+                x, {1.0, 1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800.0, 1.0 / 1307674368000.0}),
+            alternatingSeries<8>(x, {1.0 / 2, 1.0 / 24, 1.0 / 720, 1.0 / 40320, 1.0 / 3628800, 1.0 / 479001600.0, 1.0 / 87178291200.0,
+                                     1.0 / 20922789888000.0}),
+            alternatingSeries<8>(x, {1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800.0,
+                                     1.0 / 1307674368000.0, 1.0 / 355687428096000.0})};
   }
   const double s = std::sin(a);
   const double half = std::sin(0.5 * a);  // 1 - cos a without cancellation
@@ -121,10 +124,10 @@ Matrix6d leftJacobianSe3(const Vector6d& xi) {
         power *= -x;
         factorial *= (2.0 * m - 1.0) * (2.0 * m);
       }
-      const double f2 = factorial * (2 * m + 1) * (2 * m + 2);                          // (2m+2)!
-      const double f3 = f2 * (2 * m + 3);                                               // (2m+3)!
-      const double f4 = f3 * (2 * m + 4);                                               // (2m+4)!
-      const double f5 = f4 * (2 * m + 5);                                               // (2m+5)!
+      const double f2 = factorial * (2 * m + 1) * (2 * m + 2);  // (2m+2)!
+      const double f3 = f2 * (2 * m + 3);                       // (2m+3)!
+      const double f4 = f3 * (2 * m + 4);                       // (2m+4)!
+      const double f5 = f4 * (2 * m + 5);                       // (2m+5)!
       c1 += power * (1.0 - m) / f2;
       c2 += power * (1.0 - m) / f3;
       c3 += power * (m + 1.0) / f4;

@@ -37,7 +37,8 @@ MethodFit fitGao(const Cell& registered, const std::vector<Observation>& flange,
   fit.covariance = result.covariance;
   fit.parameter_names = twistParameterNames(result.arm);
   const int twists = static_cast<int>(fit.parameter_names.size());
-  for (const char* name : {"Gamma rotation x", "Gamma rotation y", "Gamma rotation z", "Gamma translation x", "Gamma translation y", "Gamma translation z"}) {
+  for (const char* name :
+       {"Gamma rotation x", "Gamma rotation y", "Gamma rotation z", "Gamma translation x", "Gamma translation y", "Gamma translation z"}) {
     fit.parameter_names.emplace_back(name);
   }
   fit.twist_deviation = twistDeviations(result.arm, Eigen::VectorXd::Zero(twists), result.arm, result.covariance);
@@ -72,14 +73,16 @@ Eigen::VectorXd cameraPrior(const Camera& camera) {
   if (statesDeviations(camera)) return camera.standard_deviation;
   const std::vector<std::string> names = camera.parameterNames();
   Eigen::VectorXd sigma(camera.parameterCount());
-  sigma << 0.03 * camera.fx, 0.03 * camera.fy, 0.03 * camera.width, 0.03 * camera.width, Eigen::VectorXd::Constant(camera.distortion.size(), 0.5);
+  sigma << 0.03 * camera.fx, 0.03 * camera.fy, 0.03 * camera.width, 0.03 * camera.width,
+      Eigen::VectorXd::Constant(camera.distortion.size(), 0.5);
   for (std::size_t k = 4; k < names.size(); ++k) {
     if (names[k].starts_with('p')) sigma(static_cast<Eigen::Index>(k)) = 0.02;
   }
   return sigma;
 }
 
-FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& observations, const std::vector<RegisteredSample>* samples) {
+FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& observations,
+                        const std::vector<RegisteredSample>* samples) {
   FlangePoses flange;
   for (std::size_t k = 0; k < observations.size(); ++k) {
     Observation measured;
@@ -116,8 +119,8 @@ FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& 
   return flange;
 }
 
-MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange, const std::vector<std::size_t>& subset,
-                    const IdentifyOptions& options, bool camera_free) {
+MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange,
+                    const std::vector<std::size_t>& subset, const IdentifyOptions& options, bool camera_free) {
   if (options.method == Method::kGao) return fitGao(registered, selected(flange.observations, subset), options.gao_length_unit);
   MethodFit fit;
   AdjustmentOptions adjustment;
@@ -132,7 +135,11 @@ MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& obse
     fit.start.registration = Registration{};
   }
   const bool transforms_held = flange_poses || options.registered;
-  adjustment.free = {.twists = true, .gamma = transforms_held, .near = !transforms_held, .far = !transforms_held, .intrinsics = camera_free && !flange_poses};
+  adjustment.free = {.twists = true,
+                     .gamma = transforms_held,
+                     .near = !transforms_held,
+                     .far = !transforms_held,
+                     .intrinsics = camera_free && !flange_poses};
   if (adjustment.free.intrinsics) adjustment.camera_prior_sigma = cameraPrior(*registered.camera);
   fit.free = adjustment.free;
   fit.adjustment = adjust(fit.start, selected(flange_poses ? flange.observations : observations, subset), adjustment);

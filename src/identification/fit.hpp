@@ -9,8 +9,8 @@ namespace poecal {
 
 /// What a fit gives, whatever the method.
 struct MethodFit {
-  Cell cell;       ///< of the observations: arm calibrated, registration, camera
-  Cell start;      ///< of the adjustment: what its priors are about
+  Cell cell;   ///< of the observations: arm calibrated, registration, camera
+  Cell start;  ///< of the adjustment: what its priors are about
   FreeParameters free;
   Adjustment adjustment;  ///< weighted, bundle
   std::vector<double> gao_residuals;
@@ -26,13 +26,14 @@ struct FlangePoses {
   std::vector<Observation> observations;  ///< pose observations in a cell whose transforms are identity
 };
 
-/// Measured flange poses of observations in a registered cell. @param registration  of corners: their free poses; nullptr for pose observations.
+/// Measured flange poses of observations in a registered cell. @param registration  of corners: their free poses; nullptr for pose
+/// observations.
 FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& observations, const std::vector<RegisteredSample>* samples);
 
 /// @param registered  nominal arm with a registration. @param subset  indices into observations (and flange poses).
 /// @param camera_free  bundle only.
-MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange, const std::vector<std::size_t>& subset,
-                    const IdentifyOptions& options, bool camera_free);
+MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange,
+                    const std::vector<std::size_t>& subset, const IdentifyOptions& options, bool camera_free);
 
 /// Deviations of each joint's twist xi = Ad(exp(eta)) xi_0, eta = B beta, from the covariance of beta: d xi = -ad(xi) K(eta) B d beta.
 std::vector<Vector6d> twistDeviations(const Arm& nominal, const Eigen::VectorXd& beta, const Arm& arm, const Eigen::MatrixXd& covariance);

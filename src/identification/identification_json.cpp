@@ -17,7 +17,8 @@ Json numbers(const Eigen::VectorXd& values) {
 }
 
 Json lengths(const LengthSummary& summary, double factor) {
-  return {{"mean", factor * summary.mean}, {"median", factor * summary.median}, {"rms", factor * summary.rms}, {"max", factor * summary.max}};
+  return {
+      {"mean", factor * summary.mean}, {"median", factor * summary.median}, {"rms", factor * summary.rms}, {"max", factor * summary.max}};
 }
 
 Json errors(const ErrorSummary& summary) {
@@ -36,7 +37,9 @@ Json errors(const ErrorSummary& summary) {
 Json iterations(const Identification& identification) {
   Json list = Json::array();
   if (!identification.gao_residuals.empty()) {
-    for (std::size_t k = 0; k < identification.gao_residuals.size(); ++k) list.push_back({{"iteration", k}, {"rms_y", identification.gao_residuals[k]}});
+    for (std::size_t k = 0; k < identification.gao_residuals.size(); ++k) {
+      list.push_back({{"iteration", k}, {"rms_y", identification.gao_residuals[k]}});
+    }
     return list;
   }
   for (std::size_t k = 0; k < identification.steps.size(); ++k) {
@@ -64,7 +67,8 @@ Json joints(const Identification& identification) {
 Json parameters(const Identification& identification) {
   Json list = Json::array();
   for (std::size_t k = 0; k < identification.parameter_names.size(); ++k) {
-    Json parameter{{"name", identification.parameter_names[k]}, {"standard_deviation", identification.parameter_deviation(static_cast<Eigen::Index>(k))}};
+    Json parameter{{"name", identification.parameter_names[k]},
+                   {"standard_deviation", identification.parameter_deviation(static_cast<Eigen::Index>(k))}};
     if (k < identification.prior_share.size()) parameter["variance_from_prior"] = identification.prior_share[k];
     list.push_back(std::move(parameter));
   }
@@ -76,7 +80,9 @@ Json noise(const Identification& identification) {
   Json json{{"source", identification.sigmas_stated ? "stated, scaled by the residuals" : "estimated"}, {"scale", identification.scale}};
   if (identification.sigmas_stated) json["chi_square_per_degree_of_freedom"] = identification.reduced_chi_square;
   json["degrees_of_freedom"] = identification.degrees_of_freedom;
-  if (!identification.sigmas_stated && identification.model.cell.camera && identification.method == Method::kBundle) json["sigma_px"] = identification.scale;
+  if (!identification.sigmas_stated && identification.model.cell.camera && identification.method == Method::kBundle) {
+    json["sigma_px"] = identification.scale;
+  }
   if (!identification.model.cell.camera && !identification.sigmas_stated) {
     json["sigma_position_mm"] = 1e3 * identification.sigma_position;
     json["sigma_rotation_mrad"] = 1e3 * identification.sigma_rotation;
@@ -128,7 +134,8 @@ std::string identificationJson(const Identification& identification, const std::
     json["stages"].push_back({{"stage", stage.name}, {"calibration", errors(stage.calibration)}, {"held_out", errors(stage.held_out)}});
   }
   if (!identification.stages.empty()) {
-    json["residuals"] = {{"calibration", errors(identification.stages.back().calibration)}, {"held_out", errors(identification.stages.back().held_out)}};
+    json["residuals"] = {{"calibration", errors(identification.stages.back().calibration)},
+                         {"held_out", errors(identification.stages.back().held_out)}};
   }
   json["suspects"] = suspects(identification, samples);
   json["warnings"] = identification.warnings;

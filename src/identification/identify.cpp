@@ -103,13 +103,15 @@ class Identifier {
     if (options_.registered) {
       closed_form_ = registered_.registration = Registration{};
     } else if (corners_) {
-      RegistrationResult registration = given_registration_ != nullptr ? *given_registration_ : registerCell(cell_, observations_, {.robust = options_.robust});
+      RegistrationResult registration =
+          given_registration_ != nullptr ? *given_registration_ : registerCell(cell_, observations_, {.robust = options_.robust});
       registered_ = registration.cell;
       closed_form_ = registration.closed_form;
       samples_ = std::move(registration.samples);
       registration_deviation_ = registration.adjustment.covariance.diagonal().cwiseSqrt();
       // Whoever registered before has said what was to be said.
-      if (given_registration_ == nullptr) result_.warnings.insert(result_.warnings.end(), registration.warnings.begin(), registration.warnings.end());
+      if (given_registration_ == nullptr)
+        result_.warnings.insert(result_.warnings.end(), registration.warnings.begin(), registration.warnings.end());
     } else {
       const Adjustment registration = registerPoses(cell_, observations_, options_.robust);
       registered_ = registration.cell;
@@ -173,7 +175,8 @@ class Identifier {
   /// The fold registrations, which do not hang on the camera's choice.
   void registerFolds() {
     registered_of_fold_.assign(folds_.size(), registered_);
-    parallelFor(folds_.size(), options_.jobs, [this](std::size_t k) { registered_of_fold_[k] = registerFrom(registered_, folds_[k].train); });
+    parallelFor(folds_.size(), options_.jobs,
+                [this](std::size_t k) { registered_of_fold_[k] = registerFrom(registered_, folds_[k].train); });
   }
 
   Judged judge(bool camera_free) const {
@@ -239,9 +242,10 @@ class Identifier {
     Judged freed = judge(true);
     if (!clearlyBetter(freed, stated)) return stated;
     result_.camera_refitted = true;
-    result_.warnings.push_back(fmt::format(
-        "the stated lens is wrong: with the camera re-fitted ({}) the error on poses that the fit did not see falls from {:.2f} to {:.2f} px rms",
-        describeMove(freed.fit), stated.stages.back().held_out.px.rms, freed.stages.back().held_out.px.rms));
+    result_.warnings.push_back(
+        fmt::format("the stated lens is wrong: with the camera re-fitted ({}) the error on poses that the fit did not see falls from "
+                    "{:.2f} to {:.2f} px rms",
+                    describeMove(freed.fit), stated.stages.back().held_out.px.rms, freed.stages.back().held_out.px.rms));
     return freed;
   }
 
@@ -273,7 +277,8 @@ class Identifier {
     const std::vector<std::string> names = fit.cell.camera->parameterNames();
     std::vector<Eigen::Index> order(names.size());
     std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return std::abs(move(a)) / deviation(a) > std::abs(move(b)) / deviation(b); });
+    std::sort(order.begin(), order.end(),
+              [&](auto a, auto b) { return std::abs(move(a)) / deviation(a) > std::abs(move(b)) / deviation(b); });
     std::string text;
     for (std::size_t k = 0; k < order.size() && k < 4; ++k) {
       const Eigen::Index i = order[k];
@@ -375,16 +380,20 @@ class Identifier {
   void nameGauge(const MethodFit& fit) {
     for (std::size_t k = 0; k < cell_.arm->joints.size(); ++k) {
       const bool revolute = cell_.arm->joints[k].type == JointType::kRevolute;
-      result_.gauge.push_back(fmt::format("joint {}: {} changes nothing and is not a parameter", k + 1,
-                                          revolute ? "turning about and sliding along its own axis" : "turning about and shifting its own direction"));
+      result_.gauge.push_back(
+          fmt::format("joint {}: {} changes nothing and is not a parameter", k + 1,
+                      revolute ? "turning about and sliding along its own axis" : "turning about and shifting its own direction"));
     }
     const Registration& registration = fit.cell.registration;
     if (fit.free.near) {
-      result_.gauge.push_back(fmt::format("Gamma and T_{}_target are one unknown: Gamma is held at its nominal value", registration.farFrame()));
-      result_.gauge.push_back(fmt::format("moving the {} frame and all axes together changes nothing: the tolerance priors of the axes choose", registration.nearFrame()));
+      result_.gauge.push_back(
+          fmt::format("Gamma and T_{}_target are one unknown: Gamma is held at its nominal value", registration.farFrame()));
+      result_.gauge.push_back(fmt::format(
+          "moving the {} frame and all axes together changes nothing: the tolerance priors of the axes choose", registration.nearFrame()));
     } else if (!options_.registered) {
-      result_.gauge.push_back(fmt::format("T_camera_{} and T_{}_target are held as registered with the nominal arm; the axes and Gamma take up what they lack",
-                                          registration.nearFrame(), registration.farFrame()));
+      result_.gauge.push_back(
+          fmt::format("T_camera_{} and T_{}_target are held as registered with the nominal arm; the axes and Gamma take up what they lack",
+                      registration.nearFrame(), registration.farFrame()));
     }
   }
 
@@ -410,9 +419,12 @@ class Identifier {
 
 const char* methodName(Method method) {
   switch (method) {
-    case Method::kGao: return "gao";
-    case Method::kWeighted: return "weighted";
-    case Method::kBundle: return "bundle";
+    case Method::kGao:
+      return "gao";
+    case Method::kWeighted:
+      return "weighted";
+    case Method::kBundle:
+      return "bundle";
   }
   return "";
 }

@@ -25,8 +25,8 @@ struct Turns {
 // Strides over which motions are compared, in a long series of poses.
 constexpr double kStrides = 9.0;
 
-/// Relative motions i <- j for a few strides from neighbours up to the whole series, so that their number grows with the poses and not with their
-/// square.
+/// Relative motions i <- j for a few strides from neighbours up to the whole series, so that their number grows with the poses and not with
+/// their square.
 Turns relativeTurns(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>* T_camera_target) {
   Turns turns;
   const std::size_t count = T_near_far.size();
@@ -59,7 +59,8 @@ bool isOneDirection(const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>& scatte
 }
 
 /// With R_camera_near known up to a turn alpha about `axis` (in camera):
-///   t_camera_target = R_camera_target s + Rot(axis, alpha) R t_near_far + t_camera_near,   linear in s, t_camera_near, cos alpha, sin alpha.
+///   t_camera_target = R_camera_target s + Rot(axis, alpha) R t_near_far + t_camera_near,   linear in s, t_camera_near, cos alpha, sin
+///   alpha.
 double turnAboutAxis(const Eigen::Vector3d& axis, const Eigen::Matrix3d& R_camera_near, const std::vector<Eigen::Isometry3d>& T_near_far,
                      const std::vector<Eigen::Isometry3d>& T_camera_target) {
   const auto count = static_cast<Eigen::Index>(T_near_far.size());

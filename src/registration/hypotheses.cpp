@@ -18,7 +18,8 @@ constexpr std::size_t kKept = 5;
 constexpr std::size_t kScored = 150;
 constexpr double kAgreeing = 0.6;
 
-std::optional<Registration> registrationOf(Setup setup, const std::vector<Eigen::Isometry3d>& near_far, const std::vector<Eigen::Isometry3d>& targets) {
+std::optional<Registration> registrationOf(Setup setup, const std::vector<Eigen::Isometry3d>& near_far,
+                                           const std::vector<Eigen::Isometry3d>& targets) {
   const std::optional<HandEye> solution = solveHandEye(near_far, targets, setup);
   if (!solution) return std::nullopt;
   Registration registration;
@@ -42,8 +43,7 @@ std::optional<Registration> refit(const Hypothesis& hypothesis, const std::vecto
   std::vector<Eigen::Isometry3d> near_far, targets;
   for (const HypothesisSample& sample : samples) {
     if (sample.candidates.empty() || !(misfit(hypothesis.registration, sample) <= 2.0 * hypothesis.score)) continue;
-    const Eigen::Isometry3d predicted =
-        hypothesis.registration.T_camera_near * sample.T_near_far * hypothesis.registration.T_far_target;
+    const Eigen::Isometry3d predicted = hypothesis.registration.T_camera_near * sample.T_near_far * hypothesis.registration.T_far_target;
     const auto nearest = std::min_element(sample.candidates.begin(), sample.candidates.end(), [&](const auto& a, const auto& b) {
       return rotationAngle(predicted.linear().transpose() * a.linear()) < rotationAngle(predicted.linear().transpose() * b.linear());
     });
@@ -56,7 +56,8 @@ std::optional<Registration> refit(const Hypothesis& hypothesis, const std::vecto
 
 }  // namespace
 
-std::vector<Hypothesis> searchRegistrations(Setup setup, const std::vector<HypothesisSample>& samples, const Misfit& misfit, int hypotheses) {
+std::vector<Hypothesis> searchRegistrations(Setup setup, const std::vector<HypothesisSample>& samples, const Misfit& misfit,
+                                            int hypotheses) {
   std::vector<std::size_t> usable;
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (!samples[k].candidates.empty()) usable.push_back(k);

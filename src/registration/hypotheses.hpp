@@ -26,6 +26,7 @@ struct Hypothesis {
 };
 
 /// The best registrations found, best first, at most five. Deterministic.
-std::vector<Hypothesis> searchRegistrations(Setup setup, const std::vector<HypothesisSample>& samples, const Misfit& misfit, int hypotheses);
+std::vector<Hypothesis> searchRegistrations(Setup setup, const std::vector<HypothesisSample>& samples, const Misfit& misfit,
+                                            int hypotheses);
 
 }  // namespace poecal

@@ -53,7 +53,8 @@ std::optional<std::string> suspectedMistake(const Cell& cell, const std::vector<
   const bool to_hand = cell.registration.setup == Setup::kEyeToHand;
   other.registration.setup = to_hand ? Setup::kEyeInHand : Setup::kEyeToHand;
   if (explains(other, observations)) {
-    return fmt::format("a capture that looks like setup: {}, stated is {}", setupName(other.registration.setup), setupName(cell.registration.setup));
+    return fmt::format("a capture that looks like setup: {}, stated is {}", setupName(other.registration.setup),
+                       setupName(cell.registration.setup));
   }
   return std::nullopt;
 }

@@ -10,8 +10,8 @@
 
 namespace poecal {
 
-/// Share of whole tags (corners 0..3 seen) whose corners run the wrong way round: an upright tag's corners run counter-clockwise in the picture, and
-/// clockwise only in a mirrored picture, a mirrored print, or with another corner order.
+/// Share of whole tags (corners 0..3 seen) whose corners run the wrong way round: an upright tag's corners run counter-clockwise in the
+/// picture, and clockwise only in a mirrored picture, a mirrored print, or with another corner order.
 double mirroredShare(const std::vector<Observation>& observations);
 
 /// Tries what people get wrong (joints in degrees, the other setup) and says which of it would explain the pictures.

@@ -29,7 +29,8 @@ double cornerRms(const Cell& cell, const Observation& observation) {
   return std::isnan(rms) ? std::numeric_limits<double>::infinity() : rms;
 }
 
-/// Of an observation where the arm is at T_near_far; the search asks this hundreds of times of each, so it does not go through the arm again.
+/// Of an observation where the arm is at T_near_far; the search asks this hundreds of times of each, so it does not go through the arm
+/// again.
 double misfitOf(const Cell& cell, const Registration& registration, const Eigen::Isometry3d& T_near_far, const Observation& observation) {
   if (!observation.pose) {
     const Eigen::Isometry3d T_camera_target = registration.T_camera_near * T_near_far * registration.T_far_target;
@@ -88,19 +89,22 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
   const double misfit = quantile(misfits, 0.6);
   if (misfit < cell.camera->width / 12.0) return;
   const std::optional<std::string> suspicion = suspectedMistake(cell, observations, misfit, agreeingMisfit);
-  throw ImplausibleInput(fmt::format("no registration explains most of the pictures (the best leaves {:.0f} px): {}", misfit,
-                                     suspicion ? "suspected are " + *suspicion
-                                               : std::string("expected joint readings, robot and pictures that belong together (units, signs, order of the rows)")));
+  throw ImplausibleInput(fmt::format(
+      "no registration explains most of the pictures (the best leaves {:.0f} px): {}", misfit,
+      suspicion ? "suspected are " + *suspicion
+                : std::string("expected joint readings, robot and pictures that belong together (units, signs, order of the rows)")));
 }
 
 /// The best of the refined hypotheses. Which is best shows on some of the samples; only that one is refined on all of them.
-Adjustment adjustBest(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples, int hypotheses,
-                      bool robust, Registration* closed_form = nullptr) {
+Adjustment adjustBest(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
+                      int hypotheses, bool robust, Registration* closed_form = nullptr) {
   const Misfit misfit = [&](const Registration& registration, const HypothesisSample& sample) {
     return misfitOf(cell, registration, sample.T_near_far, observations[sample.observation]);
   };
   const std::vector<Hypothesis> found = searchRegistrations(cell.registration.setup, samples, misfit, hypotheses);
-  if (found.empty()) throw InsufficientData("no registration follows from these poses: the target must be seen in at least three different orientations");
+  if (found.empty()) {
+    throw InsufficientData("no registration follows from these poses: the target must be seen in at least three different orientations");
+  }
   constexpr std::size_t kCompared = 300;
   const std::size_t stride = (observations.size() + kCompared - 1) / kCompared;
   std::vector<Observation> some;
@@ -138,9 +142,10 @@ double squareSum(const Cell& cell, const Observation& observation) {
   return sum;
 }
 
-/// The picture whose removal explains more than chance: F test of the six numbers of its pose against the scatter of the others, at 1 % over
-/// all pictures. Nothing where no picture stands out.
-std::optional<std::size_t> contradictedPicture(const Adjustment& fit, const std::vector<Observation>& observations, const std::vector<bool>& out) {
+/// The picture whose removal explains more than chance: F test of the six numbers of its pose against the scatter of the others, at 1 %
+/// over all pictures. Nothing where no picture stands out.
+std::optional<std::size_t> contradictedPicture(const Adjustment& fit, const std::vector<Observation>& observations,
+                                               const std::vector<bool>& out) {
   std::vector<std::size_t> kept;
   std::vector<std::pair<double, std::size_t>> worst;
   double total = 0.0;
@@ -189,8 +194,8 @@ void leaveOutBad(const std::vector<Observation>& observations, RegistrationResul
 }
 
 /// The measured flange with the covariance of its corners.
-void measureFlange(const Cell& cell, const Observation& observation, const std::vector<Eigen::Isometry3d>& candidates, RegisteredSample& sample,
-                   double& squares, double& redundancy) {
+void measureFlange(const Cell& cell, const Observation& observation, const std::vector<Eigen::Isometry3d>& candidates,
+                   RegisteredSample& sample, double& squares, double& redundancy) {
   if (candidates.empty()) return;
   const Eigen::Isometry3d predicted = cell.registration.cameraTarget(modelFlange(cell, observation));
   const auto nearest = std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
@@ -213,9 +218,7 @@ void measureFlange(const Cell& cell, const Observation& observation, const std::
 
 }  // namespace
 
-double keptShare(const std::vector<double>& unit_weights) {
-  return unit_weights.empty() ? 0.0 : mean(unit_weights);
-}
+double keptShare(const std::vector<double>& unit_weights) { return unit_weights.empty() ? 0.0 : mean(unit_weights); }
 
 RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>& observations, const RegistrationOptions& options) {
   if (!cell.camera) throw InvalidArgument("registration from corners needs a camera");
@@ -226,8 +229,10 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   }
   requireTurning(cell, observations);
   if (mirroredShare(observations) > 0.5) {
-    throw ImplausibleInput("the corners of most tags run clockwise in the picture, as of a flipped (mirrored) tag: expected the order bottom-left, bottom-right, "
-                           "top-right, top-left of the upright tag seen from its front");
+    throw ImplausibleInput(
+        "the corners of most tags run clockwise in the picture, as of a flipped (mirrored) tag: expected the order bottom-left, "
+        "bottom-right, "
+        "top-right, top-left of the upright tag seen from its front");
   }
 
   RegistrationResult result;
@@ -247,7 +252,8 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
     for (std::size_t k = 0; k < observations.size(); ++k) out[k] = keptShare(result.adjustment.weights[k]) < 0.5;
   }
   for (const std::string& direction : result.adjustment.unseen) {
-    result.warnings.push_back("the registration does not determine " + direction + " (the arm's motions leave it open); it is held where it started");
+    result.warnings.push_back("the registration does not determine " + direction +
+                              " (the arm's motions leave it open); it is held where it started");
   }
 
   double used_squares = 0.0, used_corners = 0.0, all_squares = 0.0, all_corners = 0.0;
@@ -287,7 +293,8 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
 
 namespace {
 
-/// y_i = R (R_i p + t_i) + t for positions alone: by turns R, t for a known tool point p (orthogonal Procrustes) and p, t for a known R (linear).
+/// y_i = R (R_i p + t_i) + t for positions alone: by turns R, t for a known tool point p (orthogonal Procrustes) and p, t for a known R
+/// (linear).
 Registration registrationFromPositions(const Cell& cell, const std::vector<Observation>& observations) {
   const auto count = static_cast<Eigen::Index>(observations.size());
   Eigen::Vector3d p = Eigen::Vector3d::Zero();

@@ -56,7 +56,8 @@ std::vector<TargetPose> targetPoses(const Camera& camera, const Observation& obs
   std::vector<cv::Mat> rvecs, tvecs;
   const cv::Matx33d K = cv::Matx33d::eye();
   try {
-    cv::solvePnPGeneric(corners.points, corners.rays, K, cv::noArray(), rvecs, tvecs, false, rank == 2 ? cv::SOLVEPNP_IPPE : cv::SOLVEPNP_SQPNP);
+    cv::solvePnPGeneric(corners.points, corners.rays, K, cv::noArray(), rvecs, tvecs, false,
+                        rank == 2 ? cv::SOLVEPNP_IPPE : cv::SOLVEPNP_SQPNP);
   } catch (const cv::Exception&) {
     return {};  // OpenCV throws for corners that no pose explains, which is a normal outcome here
   }

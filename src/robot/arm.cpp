@@ -70,8 +70,8 @@ Matrix6Xd spaceJacobian(const Arm& arm, const ArmChain& chain) {
 
 Matrix6Xd twistBasis(const Joint& joint) {
   const Eigen::Vector3d axis = joint.axis();
-  // The first axis of the frame that is far enough from it. The least aligned one would do too, but an axis along y is as far from x as from
-  // z: the smallest tilt would turn the two directions by a right angle, and with them whatever is told in them.
+  // The first axis of the frame that is far enough from it. The least aligned one would do too, but an axis along y is as far from x as
+  // from z: the smallest tilt would turn the two directions by a right angle, and with them whatever is told in them.
   constexpr double kFar = 0.63;  // above 1/sqrt(3), so that there is always one, and the cosine of no angle that machines are built to
   Eigen::Index far = 0;
   while (std::abs(axis(far)) > kFar) ++far;

@@ -68,8 +68,9 @@ Arm readArm(const YamlNode& node) {
   arm.gamma = logSe3(readPose(node["flange"]));
   if (const auto links = node.find("links")) {
     for (const YamlNode& link : links->items()) arm.links.push_back(readLink(link));
-    if (arm.links.size() != arm.joints.size())
+    if (arm.links.size() != arm.joints.size()) {
       links->fail(fmt::format("{} links, expected one per joint: {}", arm.links.size(), arm.joints.size()));
+    }
   }
   return arm;
 }
@@ -96,8 +97,9 @@ std::string robotMapYaml(const Arm& arm, int indent) {
   for (const Joint& joint : arm.joints) text += fmt::format("{}  - {}\n", margin, jointYaml(joint));
   text += fmt::format("{}flange: {}\n", margin, yamlPose(expSe3(arm.gamma)));
   if (!arm.links.empty()) text += margin + "links:\n";
-  for (const LinkMass& link : arm.links)
+  for (const LinkMass& link : arm.links) {
     text += fmt::format("{}  - {{mass: {}, com: {}}}\n", margin, formatNumber(link.mass), yamlVector(link.com));
+  }
   return text;
 }
 

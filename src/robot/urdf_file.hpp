@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <tinyxml2.h>
 #include <urdf_model/model.h>
 #include <urdf_world/types.h>
-#include <Eigen/Geometry>
 
 #include "poecal/robot/arm.hpp"
 

@@ -1,7 +1,7 @@
 #include "simulation/pattern.hpp"
 
-#include "poecal/core/error.hpp"
 #include "detection/marker_bitmap.hpp"
+#include "poecal/core/error.hpp"
 
 namespace poecal {
 namespace {

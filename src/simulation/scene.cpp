@@ -53,8 +53,9 @@ Arm readActual(const YamlNode& node, const Arm& nominal) {
     node.fail(fmt::format("has {} joints, expected {} as the robot", actual.jointCount(), nominal.jointCount()));
   }
   for (std::size_t k = 0; k < nominal.joints.size(); ++k) {
-    if (actual.joints[k].type != nominal.joints[k].type)
+    if (actual.joints[k].type != nominal.joints[k].type) {
       node.fail(fmt::format("joint {} is of another type, expected that of the robot", k + 1));
+    }
   }
   return actual;
 }
@@ -129,8 +130,9 @@ void readOutput(const YamlNode& root, Scene& scene) {
   } else {
     scene.image.emplace();
     if (image) readImage(*image, scene);
-    if (scene.target.type == TargetType::kPoints)
+    if (scene.target.type == TargetType::kPoints) {
       root["target"].fail("single points cannot be drawn, expected tags, a board, or corners: {sigma: ...}");
+    }
   }
   if (const auto intrinsics = root.find("intrinsics")) {
     if (corners) intrinsics->fail("needs pictures, expected no corners: beside it");
@@ -158,8 +160,9 @@ void readEffectsPart(const YamlNode& root, Scene& scene) {
 
 void ImageOptions::validate() const {
   const auto check = [](const char* name, double value) {
-    if (!(value >= 0.0) || !std::isfinite(value))
+    if (!(value >= 0.0) || !std::isfinite(value)) {
       throw InvalidArgument(fmt::format("{} is {}, expected 0 or more", name, formatNumber(value)));
+    }
   };
   check("blur", blur);
   check("noise", noise);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
 #include <Eigen/SVD>
+#include <fmt/format.h>
 
 #include "poecal/core/error.hpp"
 #include "target/names.hpp"

@@ -102,8 +102,9 @@ Target parseChessboard(const YamlNode& node) {
 std::string tagYaml(const TargetTag& tag) {
   std::string text =
       fmt::format("{{id: {}, size: {}, center: {}", tag.id, formatNumber(tag.size), yamlVector(tag.T_target_tag.translation()));
-  if (tag.T_target_tag.linear() != Eigen::Matrix3d::Identity())
+  if (tag.T_target_tag.linear() != Eigen::Matrix3d::Identity()) {
     text += ", quaternion_xyzw: " + yamlVector(quaternionXyzw(tag.T_target_tag));
+  }
   return text + "}";
 }
 

@@ -54,8 +54,9 @@ test::Quad withCornerSubPix(const cv::Mat& picture, const test::Quad& corners) {
   for (int k = 0; k < 4; ++k) points.emplace_back(static_cast<float>(corners(0, k)), static_cast<float>(corners(1, k)));
   cv::cornerSubPix(picture, points, {3, 3}, {-1, -1}, {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 40, 1e-3});
   test::Quad moved;
-  for (int k = 0; k < 4; ++k)
+  for (int k = 0; k < 4; ++k) {
     moved.col(k) << static_cast<double>(points[static_cast<std::size_t>(k)].x), static_cast<double>(points[static_cast<std::size_t>(k)].y);
+  }
   return moved;
 }
 
@@ -126,10 +127,12 @@ int run(bool quick) {
       "| tags | AprilTag | and cornerSubPix | poecal | Cramer-Rao limit | of AprilTag's | of the limit | bias "
       "|\n|---|---|---|---|---|---|---|---|\n");
   for (const double size : sizes) printRow(fmt::format("{:.0f} px", size), all, [size](const Conditions& c) { return c.size == size; });
-  for (const double blur : blurs)
+  for (const double blur : blurs) {
     printRow(fmt::format("blur {:.1f} px", blur), all, [blur](const Conditions& c) { return c.blur == blur; });
-  for (const double noise : noises)
+  }
+  for (const double noise : noises) {
     printRow(fmt::format("noise {:.0f} grey levels", noise), all, [noise](const Conditions& c) { return c.noise == noise; });
+  }
   printRow("along the pixels", all, [](const Conditions& c) { return c.aligned; });
   printRow("turned and tilted", all, [](const Conditions& c) { return !c.aligned; });
   printRow("all", all, [](const Conditions&) { return true; });

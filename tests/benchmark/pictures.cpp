@@ -41,8 +41,9 @@ double processorSeconds() {
   for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
     rusage usage{};
     getrusage(who, &usage);
-    for (const timeval& time : {usage.ru_utime, usage.ru_stime})
+    for (const timeval& time : {usage.ru_utime, usage.ru_stime}) {
       sum += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    }
   }
   return sum;
 }

@@ -43,8 +43,9 @@ Reference opencv(const Camera& camera, const Eigen::Vector3d& p) {
   reference.J_px_parameters.resize(2, 4 + count);
   for (int row = 0; row < 2; ++row) {
     for (int column = 0; column < 3; ++column) reference.J_px_p(row, column) = J.at<double>(row, p_column + column);
-    for (int column = 0; column < 4 + count; ++column)
+    for (int column = 0; column < 4 + count; ++column) {
       reference.J_px_parameters(row, column) = J.at<double>(row, parameter_column + column);
+    }
   }
   return reference;
 }

@@ -84,7 +84,8 @@ TEST_F(CaptureFolder, ErrorsNameLineAndExpectation) {
   EXPECT_THAT(errorOf(head + "robot: robot.yaml\ntarget: target.yaml\n"),
               HasSubstr("key 'camera' is missing, expected it, or 'intrinsics'"));
   EXPECT_THAT(errorOf(head + kFiles + "intrinsics: pictures\n"), HasSubstr("capture.yaml:8: intrinsics: stands beside camera"));
-  EXPECT_THAT(errorOf(head + "robot: robot.yaml\nintrinsics: none\n"), HasSubstr("capture.yaml:5: intrinsics: 'none' is not there, expected a folder"));
+  EXPECT_THAT(errorOf(head + "robot: robot.yaml\nintrinsics: none\n"),
+              HasSubstr("capture.yaml:5: intrinsics: 'none' is not there, expected a folder"));
   EXPECT_THAT(errorOf(head + kFiles + "reference: target.yaml\n"), HasSubstr("capture.yaml:8: reference: tag 7 is the target's too"));
   EXPECT_THAT(errorOf(head + kFiles + "gravity: [0, 0]\n"), HasSubstr("capture.yaml:8: gravity: 2 numbers, expected 3"));
   EXPECT_THAT(errorOf(head + "camera: camera.yaml\ntarget: target.yaml\nsamples: samples.csv\n"),

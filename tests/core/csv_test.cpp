@@ -27,16 +27,20 @@ TEST(Csv, ReadsHeaderRowsQuotesAndLines) {
 TEST(Csv, ErrorsNameFileLineAndExpectation) {
   const test::TempFolder folder;
   const CsvTable table = CsvTable::read(folder.write("a.csv", "x,n\n1,2\nnan,2.5\n,1\n"));
-  EXPECT_THAT([&] { table.number(1, 0); }, Throws<FileError>(Property(&FileError::what, HasSubstr("a.csv:3: x is 'nan', expected a finite number"))));
+  EXPECT_THAT([&] { table.number(1, 0); },
+              Throws<FileError>(Property(&FileError::what, HasSubstr("a.csv:3: x is 'nan', expected a finite number"))));
   EXPECT_THAT([&] { table.number(2, 0); }, Throws<FileError>(Property(&FileError::what, HasSubstr("a.csv:4: x is ''"))));
   EXPECT_EQ(table.findNumber(1, 0), std::nullopt);
   EXPECT_EQ(table.findNumber(1, 1), 2.5);
   EXPECT_THAT([&] { table.integer(1, 1); }, Throws<FileError>(Property(&FileError::what, HasSubstr("expected an integer"))));
   EXPECT_THAT([&] { table.column("y"); }, Throws<FileError>(Property(&FileError::what, HasSubstr("a.csv:1: column 'y' is missing"))));
-  EXPECT_THAT([&] { CsvTable::read(folder.write("b.csv", "x,y\n1,2\n1\n")); }, Throws<FileError>(Property(&FileError::what, HasSubstr("b.csv:3: 1 cells, expected 2"))));
-  EXPECT_THAT([&] { CsvTable::read(folder.write("c.csv", "x,x\n")); }, Throws<FileError>(Property(&FileError::what, HasSubstr("column 'x' is there twice"))));
+  EXPECT_THAT([&] { CsvTable::read(folder.write("b.csv", "x,y\n1,2\n1\n")); },
+              Throws<FileError>(Property(&FileError::what, HasSubstr("b.csv:3: 1 cells, expected 2"))));
+  EXPECT_THAT([&] { CsvTable::read(folder.write("c.csv", "x,x\n")); },
+              Throws<FileError>(Property(&FileError::what, HasSubstr("column 'x' is there twice"))));
   EXPECT_THAT([&] { CsvTable::read(folder.write("d.csv", "\n")); }, Throws<FileError>(Property(&FileError::what, HasSubstr("is empty"))));
-  EXPECT_THAT([&] { CsvTable::read(folder.path() / "none.csv"); }, Throws<FileError>(Property(&FileError::what, HasSubstr("no such file"))));
+  EXPECT_THAT([&] { CsvTable::read(folder.path() / "none.csv"); },
+              Throws<FileError>(Property(&FileError::what, HasSubstr("no such file"))));
 }
 
 TEST(Csv, WhatIsWrittenReadsBackBitForBit) {

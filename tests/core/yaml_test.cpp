@@ -16,8 +16,13 @@ auto failsWith(const std::string& message) { return Throws<FileError>(Property(&
 
 TEST(Yaml, ErrorsNameLineKeyAndExpectation) {
   const test::TempFolder folder;
-  const YamlNode root = YamlNode::load(folder.write("a.yaml", "format: poecal-x/1\nsize: -1\nlist:\n- {a: [1, 2]}\n- {b: .nan}\ntext: hello\n"));
-  EXPECT_THAT([&] { root.checkKeys({"format", "size", "list"}); }, failsWith("a.yaml:6: unknown key 'text', expected one of: format, size, list"));
+  const YamlNode root =
+      YamlNode::load(folder.write("a.yaml", "format: poecal-x/1\nsize: -1\nlist:\n- {a: [1, 2]}\n- {b: .nan}\ntext: hello\n"));
+  EXPECT_THAT(
+      [&] {
+        root.checkKeys({"format", "size", "list"});
+      },
+      failsWith("a.yaml:6: unknown key 'text', expected one of: format, size, list"));
   EXPECT_THAT([&] { root["size"].positive(); }, failsWith("a.yaml:2: size: is -1.0, expected a positive number"));
   EXPECT_THAT([&] { root["list"].items()[0]["a"].vector(3); }, failsWith("a.yaml:4: list[0].a: 2 numbers, expected 3"));
   EXPECT_THAT([&] { root["list"].items()[1]["b"].number(); }, failsWith("a.yaml:5: list[1].b: expected a finite number"));

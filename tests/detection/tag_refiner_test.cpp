@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <gmock/gmock.h>
 #include <Eigen/Cholesky>
+#include <gmock/gmock.h>
 #include <opencv2/imgproc.hpp>
 
 #include "detection/corner_finder.hpp"

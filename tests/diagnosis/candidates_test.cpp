@@ -81,8 +81,9 @@ TEST(SlipTimes, AreAllTriedAroundTheBest) {
   std::sort(poses.begin(), poses.end());
   // Every pose between the neighbours that were tried, once.
   std::vector<std::ptrdiff_t> expected;
-  for (std::ptrdiff_t k = before(tried[kBest - 1].parameters(0)) + 1; k < before(tried[kBest + 1].parameters(0)); ++k)
+  for (std::ptrdiff_t k = before(tried[kBest - 1].parameters(0)) + 1; k < before(tried[kBest + 1].parameters(0)); ++k) {
     expected.push_back(k);
+  }
   EXPECT_EQ(poses, expected);
 }
 

@@ -140,8 +140,8 @@ TEST(Diagnose, WildRowsAreListedAndNothingElse) {
   EXPECT_EQ(diagnosis.bad_samples[1].sample, 31u);
 }
 
-// A lens a tenth off in its second radial term hardly moves a tag near the middle, and one in a corner of the picture by pixels: with corners
-// good to 0.005 px such poses look as if they belonged to no model until the lens is known.
+// A lens a tenth off in its second radial term hardly moves a tag near the middle, and one in a corner of the picture by pixels: with
+// corners good to 0.005 px such poses look as if they belonged to no model until the lens is known.
 TEST(Diagnose, PosesThatAnEffectThrewFarComeBack) {
   const Diagnosis diagnosis =
       test::smallCell(5, kPoses, 0.005, {{"lens_distortion", "camera.lens", {{"dk1", 0.0}, {"dk2", 0.5}}}}).diagnosis();
@@ -174,10 +174,12 @@ TEST(Diagnose, JsonHasTheWordsOfTheContract) {
   const auto json = nlohmann::json::parse(diagnosisJson(small.diagnosis(), small.samples));
   EXPECT_EQ(json["format"], "poecal-diagnosis/1");
   EXPECT_EQ(json["verdict"], "effects");
-  for (const char* key : {"noise", "gap", "findings", "where", "remaining", "detectable", "not_testable"})
+  for (const char* key : {"noise", "gap", "findings", "where", "remaining", "detectable", "not_testable"}) {
     EXPECT_TRUE(json.contains(key)) << key;
-  for (const char* key : {"stages", "before_excess_px", "after_excess_px", "shrinkage", "shrinkage_ci95"})
+  }
+  for (const char* key : {"stages", "before_excess_px", "after_excess_px", "shrinkage", "shrinkage_ci95"}) {
     EXPECT_TRUE(json["gap"].contains(key)) << key;
+  }
   for (const char* key : {"effect", "location", "driver", "parameters", "standard_deviation", "units", "probability", "p_value",
                           "shrinkage", "shrinkage_ci95", "alternatives", "separate_with"}) {
     EXPECT_TRUE(json["findings"][0].contains(key)) << key;

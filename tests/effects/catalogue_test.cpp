@@ -107,7 +107,9 @@ TEST(MakeEffect, SpecMakesTheSameAgain) {
     Eigen::VectorXd parameters = effect.start();
     for (Eigen::Index i = 0; i < parameters.size(); ++i) {
       const bool left_out = std::isnan(parameters(i));
-      if (left_out || effect.parameters()[static_cast<std::size_t>(i)].role == ParameterRole::kLinear) parameters(i) = rng.uniform(-1.0, 1.0);
+      if (left_out || effect.parameters()[static_cast<std::size_t>(i)].role == ParameterRole::kLinear) {
+        parameters(i) = rng.uniform(-1.0, 1.0);
+      }
     }
     const AppliedEffect again = makeEffect(effect.spec(parameters), rich.cell);
     EXPECT_EQ(again.effect.driver(), effect.driver());

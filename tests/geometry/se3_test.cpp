@@ -20,7 +20,8 @@ Eigen::Matrix4d hatSe3(const Vector6d& xi) {
 }
 
 // Angles where a branch begins or digits are lost: zero, tiny, the series limits, near pi, beyond pi.
-const double kAwkwardAngles[] = {0.0, 1e-12, 1e-8, 1e-5, 1e-3, 0.01, 0.49999, 0.50001, 0.99999, 1.00001, 2.0, 3.0, 3.14159, 3.1415926535, 4.0, 6.0};
+const double kAwkwardAngles[] = {0.0,     1e-12,   1e-8, 1e-5, 1e-3,    0.01,         0.49999, 0.50001,
+                                 0.99999, 1.00001, 2.0,  3.0,  3.14159, 3.1415926535, 4.0,     6.0};
 
 Vector6d awkwardTwist(Rng& rng, double angle) {
   Vector6d xi;
@@ -48,7 +49,8 @@ TEST(Se3, LogarithmUndoesExponential) {
 }
 
 TEST(Se3, LogarithmAtExactlyHalfATurn) {
-  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0.6, 0, -0.8)}) {
+  for (const Eigen::Vector3d& axis :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0.6, 0, -0.8)}) {
     const Eigen::Matrix3d R = 2.0 * axis * axis.transpose() - Eigen::Matrix3d::Identity();
     const Eigen::Vector3d w = logSo3(R);
     EXPECT_NEAR(w.norm(), M_PI, 1e-15);
@@ -105,7 +107,8 @@ TEST(Se3, InverseOfTheLeftJacobianOfSo3) {
   Rng rng = test::rngOfThisTest();
   for (const double angle : kAwkwardAngles) {
     const Eigen::Vector3d w = awkwardTwist(rng, angle).head<3>();
-    EXPECT_THAT(Eigen::Matrix3d(leftJacobianInverseSo3(w) * leftJacobianSo3(w)), IsNear(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), 1e-12));
+    EXPECT_THAT(Eigen::Matrix3d(leftJacobianInverseSo3(w) * leftJacobianSo3(w)),
+                IsNear(Eigen::Matrix3d(Eigen::Matrix3d::Identity()), 1e-12));
   }
 }
 

@@ -31,8 +31,9 @@ TEST(Identify, AFifthOfWrongRowsIsListedAndDoesNotMoveTheModel) {
     if (k % 2 == 0) {
       data.calibration[k].q = data.calibration[(k + 7) % data.calibration.size()].q;  // another row's joints
     } else {
-      for (CornerMeasurement& corner : data.calibration[k].corners)
+      for (CornerMeasurement& corner : data.calibration[k].corners) {
         corner.px += Eigen::Vector2d(rng.uniform(-60, 60), rng.uniform(-60, 60));
+      }
     }
   }
   const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());

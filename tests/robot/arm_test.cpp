@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include <gmock/gmock.h>
 #include <Eigen/SVD>
+#include <gmock/gmock.h>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "poecal/core/error.hpp"

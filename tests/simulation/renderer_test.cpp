@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
 #include <Eigen/Cholesky>
+#include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 

@@ -129,8 +129,9 @@ TEST(TrueCorners, MatchMatrixExponentialsAndTheLensByHand) {
   ASSERT_EQ(images.size(), 10u);
   for (std::size_t k = 0; k < images.size(); ++k) {
     Eigen::Matrix4d T = scene.registration.T_camera_near.matrix();
-    for (std::size_t joint = 0; joint < 3; ++joint)
+    for (std::size_t joint = 0; joint < 3; ++joint) {
       T = T * exponential(scene.actual.joints[joint].xi * table.samples[k].q(static_cast<Eigen::Index>(joint)));
+    }
     T = T * exponential(scene.actual.gamma) * scene.registration.T_far_target.matrix();
     ASSERT_EQ(images[k].corners.size(), 4u);
     const Eigen::Vector2d unit[] = {{-0.05, 0.05}, {0.05, 0.05}, {0.05, -0.05}, {-0.05, -0.05}};
@@ -192,8 +193,9 @@ TEST(Simulate, CaptureIsReadAsTheSceneStatesItAndTheTruthIsBeside) {
   const Detections exact = readDetections(summary.truth / "corners.csv", scene.target);
   const std::vector<ImageCorners> expected = trueCorners(scene, drawSamples(scene));
   ASSERT_EQ(exact.images.size(), expected.size());
-  for (std::size_t k = 0; k < expected.size(); ++k)
+  for (std::size_t k = 0; k < expected.size(); ++k) {
     EXPECT_THAT(exact.images[k].corners[2].px, test::IsNear(expected[k].corners[2].px, 0.0));
+  }
 }
 
 TEST(Simulate, CornerNoiseIsNormalWithItsSigma) {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <urdf_parser/urdf_parser.h>
 #include <Eigen/Geometry>
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
+#include <urdf_parser/urdf_parser.h>
 
 namespace poecal::test {
 

@@ -51,7 +51,7 @@ inline std::filesystem::path realFolder() {
 }  // namespace poecal::test
 
 /// Skips a test, saying so, where a set of the real captures is not there.
-#define POECAL_REQUIRE_REAL(set)                                                                                                  \
-  if (!std::filesystem::exists(poecal::test::realFolder() / (set))) {                                                            \
+#define POECAL_REQUIRE_REAL(set)                                                                                                           \
+  if (!std::filesystem::exists(poecal::test::realFolder() / (set))) {                                                                      \
     GTEST_SKIP() << "real capture '" << (set) << "' is not in " << poecal::test::realFolder() << " (POECAL_REAL_DIR names another place)"; \
   }

@@ -118,8 +118,9 @@ std::map<std::string, std::vector<std::string>> baselines(const Case& made) {
   if (!made.wild.empty() || made.missing > 0) return {};
   const Leftover leftover(made.actual, made.shots, made.noise, false);
   Eigen::VectorXd seen(8 * static_cast<Eigen::Index>(made.sightings.size()));
-  for (std::size_t i = 0; i < made.sightings.size(); ++i)
+  for (std::size_t i = 0; i < made.sightings.size(); ++i) {
     seen.segment<8>(8 * static_cast<Eigen::Index>(i)) = made.sightings[i].pixels.reshaped();
+  }
   const Eigen::VectorXd residual = leftover.withoutGeometry(seen - corners(made.actual, made.shots, {}));
   const std::vector<Candidate> candidates = candidatesOf(made, leftover);
   return {{"smallest p-value", smallestPValue(candidates, residual)},

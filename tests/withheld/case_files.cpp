@@ -129,8 +129,9 @@ std::string unseenCsv(const Case& made) {
   Eigen::Index row = 0;
   for (const Shot& shot : made.unseen) {
     for (const Tag& tag : made.actual.tags) {
-      for (int corner = 0; corner < 4; ++corner, row += 2)
+      for (int corner = 0; corner < 4; ++corner, row += 2) {
         addCorner(text, shot.image, tag.id, corner, made.unseen_corners.segment<2>(row), 0.0);
+      }
     }
   }
   return text;

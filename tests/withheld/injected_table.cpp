@@ -41,8 +41,9 @@ Row rowOf(const Scored& scored, const Scored* alone) {
   row.absent = row.answered_alone && !says(alone->answer, *row.effect);
   for (const Finding& finding : scored.answer.findings) {
     if (finding.place() == placeName(row.effect->effect, row.effect->location)) row.by_name = &finding;
-    if (!row.effect->is(finding.place()) && !(alone != nullptr && names(alone->answer, finding.place())))
+    if (!row.effect->is(finding.place()) && !(alone != nullptr && names(alone->answer, finding.place()))) {
       row.else_new.push_back(finding.place());
+    }
   }
   return row;
 }
@@ -51,8 +52,9 @@ std::string sizes(const Row& row) {
   std::vector<std::string> texts;
   for (const auto& [name, value] : row.effect->parameters) {
     std::string text = fmt::format("{} {:.4g}", name, value);
-    if (row.by_name != nullptr && row.by_name->parameters.contains(name) && row.by_name->deviations.contains(name))
+    if (row.by_name != nullptr && row.by_name->parameters.contains(name) && row.by_name->deviations.contains(name)) {
       text += fmt::format(" ({:.4g} +- {:.2g})", row.by_name->parameters.at(name), row.by_name->deviations.at(name));
+    }
     texts.push_back(text);
   }
   return fmt::format("{}", fmt::join(texts, ", "));

@@ -249,8 +249,9 @@ Flaw withUnknownMasses(const Cell& cell, const Flaw& flaw) {
   free.yields = false;  // the loads that it is handed are not its own
   free.parameters.clear();
   for (std::size_t unit = 0; unit < units.size(); ++unit) {
-    for (const Parameter& own : flaw.parameters)
+    for (const Parameter& own : flaw.parameters) {
       free.parameters.push_back({fmt::format("{}_{}", own.name, unit), 0.0, own.usual, kHeaviest * own.most});
+    }
   }
   free.act = [units, flaw](const Flaw& f, const Shot& shot, const Loads&, State& state) {
     for (std::size_t i = 0; i < f.parameters.size(); ++i) {

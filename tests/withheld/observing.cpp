@@ -18,8 +18,9 @@ std::vector<Shot> atRest(const Case& made, Chance& chance) {
     Eigen::VectorXd& off = rest[shot.pose];
     if (off.size() == 0) {
       off.resize(shot.q.size());
-      for (Eigen::Index k = 0; k < off.size(); ++k)
+      for (Eigen::Index k = 0; k < off.size(); ++k) {
         off[k] = chance.normal(repeatabilityOf(made.actual.arm.joints[static_cast<std::size_t>(k)], made.noise));
+      }
     }
     shot.q += off;
   }
@@ -38,8 +39,9 @@ void makeWild(Case& made, std::vector<Eigen::VectorXd>& pixels, double share, Ch
       pixels[i] = right[other];
     } else {
       const double length = chance.scale(5.0, 50.0), heading = chance.between(0.0, 2.0 * KDL::PI);
-      for (Eigen::Index c = 0; c < pixels[i].size(); c += 2)
+      for (Eigen::Index c = 0; c < pixels[i].size(); c += 2) {
         pixels[i].segment<2>(c) += length * Eigen::Vector2d(std::cos(heading), std::sin(heading));
+      }
     }
     made.wild.push_back(made.shots[i].image);
   }

@@ -5,9 +5,9 @@
 #include <memory>
 #include <stdexcept>
 
+#include <Eigen/Dense>
 #include <apriltag/apriltag.h>
 #include <apriltag/tag36h11.h>
-#include <Eigen/Dense>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 

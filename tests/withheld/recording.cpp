@@ -5,9 +5,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <yaml-cpp/yaml.h>
 #include <Eigen/Dense>
 #include <unsupported/Eigen/KroneckerProduct>
+#include <yaml-cpp/yaml.h>
 
 namespace withheld {
 namespace {

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "withheld/poecal_runs.hpp"
 #include "withheld/tables.hpp"

@@ -314,8 +314,9 @@ std::string wrongAnswers(const std::vector<Scored>& cases) {
         s.answered && s.verdict.extras == 0 && s.verdict.wrong_names == 0 && (strange ? s.verdict.fates[0].unknown_there : allRight(s));
     if (good) continue;
     std::vector<std::string> is;
-    for (const TrueEffect& effect : s.truth.effects)
+    for (const TrueEffect& effect : s.truth.effects) {
       is.push_back(fmt::format("{} ({}, S {:.1f})", placeName(effect.effect, effect.location), effect.driver, effect.S));
+    }
     text += fmt::format("| {} | {} | {} |\n", (s.truth.folder.parent_path().filename() / s.truth.folder.filename()).string(),
                         is.empty() ? "nothing" : fmt::format("{}", fmt::join(is, ", ")),
                         !s.answered              ? "no answer"

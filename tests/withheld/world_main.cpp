@@ -5,8 +5,8 @@
 #include <thread>
 #include <vector>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "withheld/baselines.hpp"
 #include "withheld/case.hpp"

@@ -1,8 +1,8 @@
 // poecal detect: the corners of the target in every picture of a capture.
 #include <sstream>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"

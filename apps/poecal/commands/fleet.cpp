@@ -1,6 +1,6 @@
 // poecal fleet: the results of many captures in one table.
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"

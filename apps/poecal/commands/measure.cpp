@@ -1,6 +1,6 @@
 // poecal measure: hand-eye and base registration, and the flange poses that the camera measured.
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"

@@ -31,7 +31,8 @@ std::string tableTwo(const Arm& nominal, const Arm& actual, const PaperSeed& see
 std::string figureThree(const std::vector<double>& noisy, const std::vector<double>& exact) {
   std::string text = "Figure 3: RMS of y after each iteration of gao (mm and rad mixed)\n  iteration   with noise   without\n";
   for (std::size_t k = 0; k < std::max(noisy.size(), exact.size()); ++k) {
-    text += fmt::format("  {:>9}   {:>10}   {:>10}\n", k, k < noisy.size() ? fmt::format("{:.3e}", noisy[k]) : "", k < exact.size() ? fmt::format("{:.3e}", exact[k]) : "");
+    text += fmt::format("  {:>9}   {:>10}   {:>10}\n", k, k < noisy.size() ? fmt::format("{:.3e}", noisy[k]) : "",
+                        k < exact.size() ? fmt::format("{:.3e}", exact[k]) : "");
   }
   return text;
 }
@@ -46,7 +47,8 @@ std::string figureFour(const PaperSeed& seed) {
   std::string text = "Figure 4: error at poses that calibration did not see (seed 1; mm and rad): nominal, gao, weighted\n";
   for (std::size_t k = 0; k < seed.nominal_test_poses.size(); ++k) {
     const auto entry = [](const FlangeError& error) { return fmt::format("{:9.4f} {:.2e}", 1e3 * error.position, error.rotation); };
-    text += fmt::format("  {:>3} {}   {}   {}\n", k + 1, entry(seed.nominal_test_poses[k]), entry(seed.gao.test_poses[k]), entry(seed.weighted.test_poses[k]));
+    text += fmt::format("  {:>3} {}   {}   {}\n", k + 1, entry(seed.nominal_test_poses[k]), entry(seed.gao.test_poses[k]),
+                        entry(seed.weighted.test_poses[k]));
   }
   return text;
 }
@@ -95,7 +97,8 @@ std::function<int()> setUpPaper(CLI::App& app, const Common& common) {
     json["rms_y"] = seeds.front().gao.residuals;
     json["rms_y_without_noise"] = without.front().gao.residuals;
     printSummary(common,
-                 tableTwo(nominal, actual, seeds.front()) + figureThree(seeds.front().gao.residuals, without.front().gao.residuals) + figureFour(seeds.front()) + medians,
+                 tableTwo(nominal, actual, seeds.front()) + figureThree(seeds.front().gao.residuals, without.front().gao.residuals) +
+                     figureFour(seeds.front()) + medians,
                  json);
     return 0;
   };

@@ -1,6 +1,6 @@
 // poecal predict: what a model expects for joints: corners, or flange poses.
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"

@@ -1,6 +1,6 @@
 // poecal run: the main job from a capture folder to a calibrated arm.
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"

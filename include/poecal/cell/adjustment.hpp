@@ -26,8 +26,8 @@ struct FreeParameters {
   bool intrinsics = false;  ///< Camera::parameters()
 };
 
-/// What is believed of the position of T_far_target about its registration, where the arm may move too [m]: nothing where data see it, but enough to
-/// hold what they do not. A SCARA shows the height of its tag by the millirad that its axes are not parallel.
+/// What is believed of the position of T_far_target about its registration, where the arm may move too [m]: nothing where data see it, but
+/// enough to hold what they do not. A SCARA shows the height of its tag by the millirad that its axes are not parallel.
 constexpr double kFarPosition = 0.1;
 
 /// Motion of the far frame's transform from where it started, as kFarPosition judges it: the v of its left perturbation.
@@ -60,17 +60,17 @@ enum class AdjustmentStatus { kNotRun, kConverged, kIterationLimit };
 
 struct Adjustment {
   AdjustmentStatus status = AdjustmentStatus::kNotRun;
-  Cell cell;             ///< adjusted
-  Eigen::VectorXd beta;  ///< twist displacements from the nominal arm; empty where the twists were held
-  std::vector<std::string> names;      ///< of the free parameters
-  Eigen::VectorXd sigma_prior;         ///< their priors; infinity where there is none
-  Eigen::MatrixXd covariance;          ///< of the free parameters; directions that nothing determines have zero variance and are listed below
-  std::vector<AdjustmentStep> steps;   ///< the first entry is the start
-  double scale = 0.0;                  ///< s, estimated or given
-  double chi_square = 0.0;             ///< sum w |r|^2 at the stated sigmas
-  double degrees_of_freedom = 0.0;     ///< numbers used less the parameters that the data (not the priors) determine
-  int rank = 0;                        ///< of the free parameters, with the priors
-  double condition_number = 0.0;       ///< of the Jacobian with columns scaled to unit length, over the directions of `rank`
+  Cell cell;                       ///< adjusted
+  Eigen::VectorXd beta;            ///< twist displacements from the nominal arm; empty where the twists were held
+  std::vector<std::string> names;  ///< of the free parameters
+  Eigen::VectorXd sigma_prior;     ///< their priors; infinity where there is none
+  Eigen::MatrixXd covariance;      ///< of the free parameters; directions that nothing determines have zero variance and are listed below
+  std::vector<AdjustmentStep> steps;         ///< the first entry is the start
+  double scale = 0.0;                        ///< s, estimated or given
+  double chi_square = 0.0;                   ///< sum w |r|^2 at the stated sigmas
+  double degrees_of_freedom = 0.0;           ///< numbers used less the parameters that the data (not the priors) determine
+  int rank = 0;                              ///< of the free parameters, with the priors
+  double condition_number = 0.0;             ///< of the Jacobian with columns scaled to unit length, over the directions of `rank`
   std::vector<std::vector<double>> weights;  ///< per observation and unit, 0..1
   /// Directions that the data see no better than their prior does (or not at all), each as the names that carry it.
   std::vector<std::string> unseen;
@@ -79,14 +79,14 @@ struct Adjustment {
 };
 
 /// @param nominal  the cell to start from; its arm is what the priors of the twists are about.
-/// @throws InsufficientData: fewer numbers than free parameters without priors. @throws InvalidArgument: twists or gamma free without an arm, intrinsics
-/// free without a camera, q.size() not the number of joints.
+/// @throws InsufficientData: fewer numbers than free parameters without priors. @throws InvalidArgument: twists or gamma free without an
+/// arm, intrinsics free without a camera, q.size() not the number of joints.
 Adjustment adjust(const Cell& nominal, const std::vector<Observation>& observations, const AdjustmentOptions& options);
 
 /// A unit's residual in a cell: px (2), or (rad; m) (6), or m (3); NaN where the point cannot be projected.
 struct UnitResidual {
-  Eigen::VectorXd residual;      ///< measured - model, not divided by anything
-  double squared_norm = 0.0;     ///< in units of the stated sigma; infinity where it cannot be projected
+  Eigen::VectorXd residual;   ///< measured - model, not divided by anything
+  double squared_norm = 0.0;  ///< in units of the stated sigma; infinity where it cannot be projected
 };
 
 /// Residuals of an observation, one per unit.

@@ -39,7 +39,7 @@ struct Registration {
 
 /// Everything that turns a joint reading into pixels.
 struct Cell {
-  std::optional<Arm> arm;  ///< unset where only flange poses are known
+  std::optional<Arm> arm;        ///< unset where only flange poses are known
   std::optional<Camera> camera;  ///< unset for poses of another instrument
   Registration registration;
 
@@ -47,7 +47,8 @@ struct Cell {
   Eigen::Isometry3d baseFlange(const Sample& sample) const;
 };
 
-/// Pixels of the target's points that the camera can see from the front of the model (see project()), sorted by id; not clipped to the picture.
+/// Pixels of the target's points that the camera can see from the front of the model (see project()), sorted by id; not clipped to the
+/// picture.
 /// @throws InvalidArgument if the cell has no camera.
 std::vector<Corner> predictCorners(const Cell& cell, const Target& target, const Eigen::Isometry3d& T_base_flange);
 

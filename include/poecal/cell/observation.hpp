@@ -35,8 +35,8 @@ struct PoseMeasurement {
 
 /// All that one sample measured. Exactly one of `corners` and `pose` is filled.
 struct Observation {
-  std::size_t sample = 0;  ///< index into the samples it came from
-  Eigen::VectorXd q;       ///< joint readings; empty where only the controller's flange pose is known
+  std::size_t sample = 0;                          ///< index into the samples it came from
+  Eigen::VectorXd q;                               ///< joint readings; empty where only the controller's flange pose is known
   std::optional<Eigen::Isometry3d> T_base_flange;  ///< the controller's pose; used where there is no arm
   std::vector<CornerMeasurement> corners;
   std::optional<PoseMeasurement> pose;

@@ -30,13 +30,14 @@ struct IdentifyOptions {
   CameraChoice camera = CameraChoice::kAuto;
   bool robust = true;
   double gao_length_unit = 1.0;  ///< gao only: unit of length [m] that its unweighted rows mix with radians; the paper's is 1e-3
-  /// Every how-manieth pose is held out to judge the fit, in as many turns, so that each pose judges once; 0: none. The model itself is then
-  /// fitted to all poses.
+  /// Every how-manieth pose is held out to judge the fit, in as many turns, so that each pose judges once; 0: none. The model itself is
+  /// then fitted to all poses.
   int hold_out_every = 5;
   /// Each pose is held out alone instead. Done by itself where there are at most 25 poses.
   bool leave_one_out = false;
-  bool registered = false;     ///< poses are T_base_flange already: both transforms are identity
-  /// Whether corners or poses came with their deviations. Without them corners count alike, and the ratio of position to rotation of poses is estimated.
+  bool registered = false;  ///< poses are T_base_flange already: both transforms are identity
+  /// Whether corners or poses came with their deviations. Without them corners count alike, and the ratio of position to rotation of poses
+  /// is estimated.
   bool sigmas_stated = false;
   int jobs = 1;                     ///< fits worked on at a time (0: one per core); the result does not depend on it
   bool allow_still_joints = false;  ///< a joint that never moved keeps its nominal axis instead of being an error
@@ -46,9 +47,9 @@ struct IdentifyOptions {
 /// A row that the model contradicts.
 struct SuspectRow {
   std::size_t sample = 0;
-  double residual = 0.0;   ///< rms of its corners [px]; for poses the distance [m]
-  double sigmas = 0.0;     ///< largest residual of a unit in standard deviations of the fit
-  bool left_out = false;   ///< most of it had no weight
+  double residual = 0.0;  ///< rms of its corners [px]; for poses the distance [m]
+  double sigmas = 0.0;    ///< largest residual of a unit in standard deviations of the fit
+  bool left_out = false;  ///< most of it had no weight
 };
 
 /// One rung of the ladder: the nominal arm with a closed-form registration, registered, identified.
@@ -84,14 +85,14 @@ struct Identification {
   int rank = 0;
   double condition_number = 0.0;
   std::vector<std::string> unseen;
-  std::vector<std::string> gauge;       ///< what no data of this kind can tell, by name, and how it was fixed
+  std::vector<std::string> gauge;  ///< what no data of this kind can tell, by name, and how it was fixed
   bool camera_refitted = false;
   std::vector<std::string> warnings;
   // To predict uncertainty
-  Adjustment adjustment;      ///< of the final fit (weighted, bundle)
+  Adjustment adjustment;  ///< of the final fit (weighted, bundle)
   FreeParameters free;
-  Cell start;                 ///< what the priors are about
-  Registration closed_form;   ///< of the nominal arm, before anything was fitted
+  Cell start;                ///< what the priors are about
+  Registration closed_form;  ///< of the nominal arm, before anything was fitted
 };
 
 /// Identifies the arm of `cell` from observations (corners of a capture, or poses of an instrument).

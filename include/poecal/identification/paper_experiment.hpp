@@ -26,7 +26,7 @@ struct FlangeError {
 /// What one method made of one seed.
 struct PaperFit {
   Arm arm;
-  std::vector<double> residuals;       ///< gao: RMS of Y before the first step and after each, mm and rad mixed
+  std::vector<double> residuals;        ///< gao: RMS of Y before the first step and after each, mm and rad mixed
   std::vector<FlangeError> test_poses;  ///< at each test pose, one pose an entry
   FlangeError error;                    ///< median over the test poses
 };

@@ -23,8 +23,8 @@ struct HandEye {
 /// R_near_far^T R_camera_near^T R_camera_target. Translations: linear least squares.
 ///
 /// Where all motions turn about one direction (a SCARA), the rotation about it follows from the translations instead, and sliding both
-/// transforms along it is not determined: of all solutions it is the one whose part on the flange (T_far_target, or T_camera_near of a camera
-/// in the hand) is shortest, as brackets are.
+/// transforms along it is not determined: of all solutions it is the one whose part on the flange (T_far_target, or T_camera_near of a
+/// camera in the hand) is shortest, as brackets are.
 /// @return nothing where the arm never turns (fewer than two poses, or all of one orientation).
 std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>& T_camera_target,
                                     Setup setup);

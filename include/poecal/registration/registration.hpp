@@ -11,35 +11,38 @@
 namespace poecal {
 
 struct RegistrationOptions {
-  int hypotheses = 400;   ///< random minimal sets tried
+  int hypotheses = 400;  ///< random minimal sets tried
   bool robust = true;
-  /// Pictures that the rest contradicts are named and left out: only where the arm's poses are the controller's own, since a nominal arm is wrong
-  /// everywhere by more than a picture is.
+  /// Pictures that the rest contradicts are named and left out: only where the arm's poses are the controller's own, since a nominal arm is
+  /// wrong everywhere by more than a picture is.
   bool leave_out_bad = true;
 };
 
 /// One sample after registration.
 struct RegisteredSample {
   std::size_t sample = 0;
-  double rms_px = 0.0;        ///< of its corners in the registered cell
-  double free_rms_px = 0.0;   ///< of its corners with a pose of its own: the floor
-  bool left_out = false;      ///< weight 0 for most of its corners, or named as bad
-  bool has_pose = false;      ///< T_base_flange was measured (at least 4 corners not on a line)
+  double rms_px = 0.0;       ///< of its corners in the registered cell
+  double free_rms_px = 0.0;  ///< of its corners with a pose of its own: the floor
+  bool left_out = false;     ///< weight 0 for most of its corners, or named as bad
+  bool has_pose = false;     ///< T_base_flange was measured (at least 4 corners not on a line)
   Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();  ///< measured
-  /// Of (log of the left rotation error in base; position of the flange in base), [rad; m], from the corners alone, at `RegistrationResult::corner_sigma_px`.
+  /// Of (log of the left rotation error in base; position of the flange in base), [rad; m], from the corners alone, at
+  /// `RegistrationResult::corner_sigma_px`.
   Matrix6d covariance = Matrix6d::Zero();
 };
 
 struct RegistrationResult {
-  Cell cell;               ///< with the registration
+  Cell cell;                 ///< with the registration
   Registration closed_form;  ///< before any corner was fitted: what a hand-eye solver alone gives
-  Adjustment adjustment;   ///< its covariance and unseen directions: T_camera_near (6), then T_far_target (6)
+  Adjustment adjustment;     ///< its covariance and unseen directions: T_camera_near (6), then T_far_target (6)
   std::vector<RegisteredSample> samples;
-  double rms_px = 0.0;       ///< sqrt(sum |r|^2 / N) over the corners that were used
-  double rms_all_px = 0.0;   ///< over all corners that can be projected; where pictures were left out one by one, of the fit to every picture
+  double rms_px = 0.0;  ///< sqrt(sum |r|^2 / N) over the corners that were used
+  double rms_all_px =
+      0.0;  ///< over all corners that can be projected; where pictures were left out one by one, of the fit to every picture
   double free_rms_px = 0.0;  ///< with a pose for every picture: what the corners allow whatever the arm
-  double corner_sigma_px = 0.0;  ///< per axis, from the free poses (2N - 6 numbers a picture); the stated sigma where there is no redundancy
+  double corner_sigma_px =
+      0.0;  ///< per axis, from the free poses (2N - 6 numbers a picture); the stated sigma where there is no redundancy
   std::vector<std::string> warnings;
 };
 
@@ -47,8 +50,8 @@ struct RegistrationResult {
 /// minimal sets scored on the corners of all pictures, then the robust reprojection error over both.
 ///
 /// @param cell  camera, arm (or none) and setup; its registration is ignored.
-/// @throws InsufficientData: fewer than 3 pictures with 4 corners, poses that do not turn the target, or no registration that explains half of
-/// the pictures (the message says what is suspected: joints in degrees, mirrored corners, another setup).
+/// @throws InsufficientData: fewer than 3 pictures with 4 corners, poses that do not turn the target, or no registration that explains half
+/// of the pictures (the message says what is suspected: joints in degrees, mirrored corners, another setup).
 RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>& observations, const RegistrationOptions& options);
 
 /// The same from poses of an instrument: T_camera_near = T_instrument_base, T_far_target = T_flange_tool. `samples` hold no pixels.

@@ -33,7 +33,8 @@ struct UrdfEnds {
 /// @throws FileError: unreadable URDF.
 UrdfEnds urdfEnds(const std::filesystem::path& file);
 
-/// Reads robot.yaml or, by its ending, a URDF, whose links must then be named. @throws FileError as the two readers; InvalidArgument where links are missing.
+/// Reads robot.yaml or, by its ending, a URDF, whose links must then be named. @throws FileError as the two readers; InvalidArgument where
+/// links are missing.
 Arm readArm(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link);
 
 /// Text of the URDF with the chain's joint origins (and, where it cannot be avoided, axes) changed so that its forward kinematics is that
