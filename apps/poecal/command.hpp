@@ -1,11 +1,9 @@
-// A command of the program: it parses, loads, calls the library, writes, and says what it did.
+// A command of the program: it parses, makes one call of the library, and words the result.
 #pragma once
 
 #include <functional>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json_fwd.hpp>
 
 namespace CLI {
 class App;
@@ -27,10 +25,5 @@ struct Command {
   /// Adds the command's own options to `app` and returns what runs once they are parsed; that returns the exit status.
   std::function<int()> (*setUp)(CLI::App& app, const Common& common);
 };
-
-/// The summary of a command: `text` on stdout, or `json` with --json, or nothing with --quiet.
-void printSummary(const Common& common, const std::string& text, const nlohmann::json& json);
-/// `poecal: warning: MESSAGE` on stderr.
-void warn(const std::string& message);
 
 }  // namespace poecal::app

@@ -5,23 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "poecal/core/error.hpp"
-#include "poecal/core/progress.hpp"
 
 namespace poecal::app {
-
-void printSummary(const Common& common, const std::string& text, const nlohmann::json& json) {
-  if (common.json) {
-    fmt::print("{}\n", json.dump(2));
-  } else if (!common.quiet) {
-    fmt::print("{}", text);
-  }
-}
-
-void warn(const std::string& message) { fmt::print(stderr, "poecal: warning: {}\n", message); }
 
 namespace {
 
@@ -71,7 +59,6 @@ int runProgram(int argc, char** argv) {
     fmt::print(stderr, "poecal: error: {} (--help shows the options)\n", error.what());
     return 2;
   }
-  Progress::setQuiet(common.quiet);
   for (const auto& [sub, run] : commands) {
     if (sub->parsed()) return run();
   }

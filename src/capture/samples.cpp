@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "capture/output_columns.hpp"
 #include "capture/sample_columns.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/core/csv.hpp"
@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kPoseColumns[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 
 /// The columns of the flange pose; all seven or none.
-std::optional<std::array<std::size_t, 7>> flangePoseColumns(const CsvTable& table) {
+std::optional<std::array<std::size_t, 7>> findPoseColumns(const CsvTable& table) {
   if (std::none_of(std::begin(kPoseColumns), std::end(kPoseColumns),
                    [&](const char* name) { return table.findColumn(name).has_value(); })) {
     return std::nullopt;
@@ -28,54 +28,13 @@ std::optional<std::array<std::size_t, 7>> flangePoseColumns(const CsvTable& tabl
   return columns;
 }
 
-/// A column that is written where some sample has a value for it; its cell is empty for the samples that have none.
-struct OutputColumn {
-  std::string name;
-  std::function<std::optional<double>(const Sample&)> value;
-  bool integer = false;
-};
-
-std::vector<OutputColumn> outputColumns(const SampleTable& table) {
-  std::vector<OutputColumn> columns;
-  const auto addVector = [&](const char* prefix, Eigen::VectorXd Sample::*member, bool integer) {
-    const Eigen::Index count = table.samples.empty() ? 0 : (table.samples.front().*member).size();
-    for (Eigen::Index k = 0; k < count; ++k) {
-      columns.push_back(
-          {prefix + std::to_string(k + 1), [member, k](const Sample& sample) { return std::optional((sample.*member)(k)); }, integer});
-    }
-  };
-  addVector("q", &Sample::q, false);
-  columns.push_back({"pose", [](const Sample& sample) { return std::optional<double>(sample.pose); }, true});
-  columns.push_back({"stamp", [](const Sample& sample) { return sample.stamp; }});
-  addVector("dir", &Sample::dir, true);
-  addVector("dq", &Sample::dq, false);
-  columns.push_back({"temperature", [](const Sample& sample) { return sample.temperature; }});
-  columns.push_back({"payload", [](const Sample& sample) { return sample.payload; }});
-  for (Eigen::Index k = 0; k < 7; ++k) {
-    columns.push_back({kPoseColumns[k], [k](const Sample& sample) -> std::optional<double> {
-                         if (!sample.T_base_flange) return std::nullopt;
-                         return k < 3 ? sample.T_base_flange->translation()(k) : quaternionXyzw(*sample.T_base_flange)(k - 3);
-                       }});
-  }
-  for (std::size_t k = 0; k < table.other_columns.size(); ++k) {
-    columns.push_back({table.other_columns[k], [k](const Sample& sample) -> std::optional<double> {
-                         if (k >= sample.other.size() || std::isnan(sample.other[k])) return std::nullopt;
-                         return sample.other[k];
-                       }});
-  }
-  std::erase_if(columns, [&](const OutputColumn& column) {
-    return std::none_of(table.samples.begin(), table.samples.end(), [&](const Sample& sample) { return column.value(sample).has_value(); });
-  });
-  return columns;
-}
-
 }  // namespace
 
 SampleTable readSamples(const std::filesystem::path& file, int joint_count, const Arm* limits_of) {
   const CsvTable csv = CsvTable::read(file);
   const std::size_t image = csv.column("image");
   const SampleColumns columns(csv, joint_count, {"image", "x", "y", "z", "qx", "qy", "qz", "qw"});
-  const auto pose_columns = flangePoseColumns(csv);
+  const auto pose_columns = findPoseColumns(csv);
   if (!columns.hasJoints() && !pose_columns) {
     throw FileError(file, 1, "neither joint readings nor flange poses, expected columns q1, q2, ... or x, y, z, qx, qy, qz, qw");
   }
@@ -103,7 +62,10 @@ SampleTable readSamples(const std::filesystem::path& file, int joint_count, cons
 }
 
 std::string samplesCsv(const SampleTable& table) {
-  const std::vector<OutputColumn> columns = outputColumns(table);
+  std::vector<OutputColumn> columns = readingColumns(table.samples);
+  for (const std::vector<OutputColumn>& more : {flangePoseColumns(table.samples), otherColumns(table.samples, table.other_columns)}) {
+    columns.insert(columns.end(), more.begin(), more.end());
+  }
   const bool images = std::any_of(table.samples.begin(), table.samples.end(), [](const Sample& sample) { return !sample.image.empty(); });
   std::vector<std::string> header;
   if (images) header.push_back("image");
@@ -111,16 +73,7 @@ std::string samplesCsv(const SampleTable& table) {
   CsvWriter writer(header);
   for (const Sample& sample : table.samples) {
     if (images) writer.cell(sample.image);
-    for (const OutputColumn& column : columns) {
-      const std::optional<double> value = column.value(sample);
-      if (!value) {
-        writer.cell(std::string());
-      } else if (column.integer) {
-        writer.cell(static_cast<long>(*value));
-      } else {
-        writer.cell(*value);
-      }
-    }
+    for (const OutputColumn& column : columns) column.write(sample, writer);
     writer.endRow();
   }
   return writer.str();

@@ -1,31 +1,32 @@
 #include "poecal/core/progress.hpp"
 
-#include <unistd.h>
-
-#include <cstdio>
+#include <utility>
 
 namespace poecal {
-namespace {
 
-std::atomic<bool> quiet_everywhere{false};
+void Listener::warning(const std::string&) {}
 
-}  // namespace
+void Listener::warnings(const std::vector<std::string>& messages) {
+  for (const std::string& message : messages) warning(message);
+}
 
-Progress::Progress(std::string label, std::size_t total)
-    : label_(std::move(label)), total_(total), shown_(!quiet_everywhere && ::isatty(STDERR_FILENO) == 1) {}
+void Listener::progress(const std::string&, std::size_t, std::size_t) {}
+
+ProgressFunction Listener::progressFunction() {
+  return [this](const std::string& label, std::size_t done, std::size_t total) { progress(label, done, total); };
+}
+
+Progress::Progress(ProgressFunction function, std::string label, std::size_t total)
+    : function_(std::move(function)), label_(std::move(label)), total_(total) {}
 
 Progress::~Progress() {
-  if (shown_) std::fputs("\r\033[K", stderr);
+  if (function_ && done_ < total_) function_(label_, 0, 0);
 }
 
 void Progress::advance() {
-  const std::size_t done = ++done_;
-  if (!shown_) return;
   const std::lock_guard lock(mutex_);
-  std::fprintf(stderr, "\r%s %zu/%zu", label_.c_str(), done, total_);
-  std::fflush(stderr);
+  ++done_;
+  if (function_) function_(label_, done_, total_);
 }
-
-void Progress::setQuiet(bool quiet) { quiet_everywhere = quiet; }
 
 }  // namespace poecal

@@ -114,13 +114,19 @@ void DetectOptions::validate() const {
   }
 }
 
+std::vector<std::string> texts(const std::vector<PictureNote>& notes) {
+  std::vector<std::string> all;
+  for (const PictureNote& note : notes) all.push_back(note.text());
+  return all;
+}
+
 DetectResult detect(const std::filesystem::path& folder, const std::vector<std::string>& images, const Target& target,
                     const DetectOptions& options, KnownCorners* known) {
   options.validate();
   FinderPool finders(target, options);
   const std::string key = known != nullptr ? detectionKey(target, options) : "";
   std::vector<PictureFinding> findings(images.size());
-  Progress progress("detecting", images.size());
+  Progress progress(options.progress, "detecting", images.size());
   parallelFor(images.size(), options.jobs, [&](std::size_t k) {
     const PictureFile file = readPictureFile(folder / images[k]);
     findings[k] = known != nullptr ? searchOnce(file, finders, key, *known) : search(file, finders);

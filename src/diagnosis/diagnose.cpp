@@ -19,11 +19,9 @@ namespace {
 
 constexpr std::size_t kFewestPoses = 12;
 
-MeasuredCell measuredCell(const Identification& identification, const std::vector<Observation>& observations,
-                          const std::vector<Sample>& samples, const std::vector<std::string>& other_columns, const Target& target,
-                          const Eigen::Vector3d& gravity, const DiagnoseOptions& options) {
+MeasuredCell measuredCell(const Identification& identification, const Measurements& measurements, const DiagnoseOptions& options) {
   MeasuredCell measured;
-  measured.other_columns = other_columns;
+  measured.other_columns = measurements.other_columns;
   measured.start = identification.start;
   measured.free = identification.free;
   // A camera that was re-fitted though its file states no deviations is the lens that it was found to be, or the finding would be lost in
@@ -31,18 +29,18 @@ MeasuredCell measuredCell(const Identification& identification, const std::vecto
   const bool stated = measured.start.camera && measured.start.camera->standard_deviation.size() > 0;
   measured.free.intrinsics = identification.free.intrinsics && stated;
   if (measured.free.intrinsics) measured.camera_sigma = measured.start.camera->standard_deviation;
-  measured.observations = observations;
+  measured.observations = measurements.observations;
   for (Observation& observation : measured.observations) {
-    measured.samples.push_back(samples[observation.sample]);
+    measured.samples.push_back(measurements.samples[observation.sample]);
     if (!observation.pose || identification.sigmas_stated || observation.pose->position_only) continue;
     Vector6d weight;
     weight << Eigen::Vector3d::Constant(1.0 / identification.sigma_rotation),
         Eigen::Vector3d::Constant(1.0 / identification.sigma_position);
     observation.pose->whitening = weight.asDiagonal();
   }
-  measured.groups = observationGroups(measured.observations, samples);
-  measured.target = target;
-  measured.gravity = gravity;
+  measured.groups = measurements.poseGroups();
+  measured.target = measurements.target;
+  measured.gravity = measurements.gravity;
   measured.jobs = options.jobs;
   measured.twists = TwistPrior(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
   return measured;
@@ -123,11 +121,9 @@ std::vector<bool> climb(const Selection& selection, const Identification& identi
 
 }  // namespace
 
-Diagnosis diagnose(const Identification& identification, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
-                   const std::vector<std::string>& other_columns, const Target& target, const Eigen::Vector3d& gravity,
-                   const DiagnoseOptions& options) {
+Diagnosis diagnose(const Identification& identification, const Measurements& measurements, const DiagnoseOptions& options) {
   if (!identification.start.arm) throw InsufficientData("a diagnosis needs joint readings");
-  const MeasuredCell measured = measuredCell(identification, observations, samples, other_columns, target, gravity, options);
+  const MeasuredCell measured = measuredCell(identification, measurements, options);
   if (measured.groups.size() < kFewestPoses) {
     throw InsufficientData(
         fmt::format("{} poses are too few to tell an effect from the arm's own geometry: at least {} are needed, 40 or more are advised",
@@ -153,7 +149,7 @@ Diagnosis diagnose(const Identification& identification, const std::vector<Obser
       tellWhatCanBeSeen(selection, diagnosis);
       tellExplained(selection, diagnosis);
       tellModel(selection, identification, diagnosis);
-      tellBad(selection, observations, samples, diagnosis);
+      tellBad(selection, measurements.observations, measurements.samples, diagnosis);
       return diagnosis;
     }
     if (useless == 0 && limits.curves) {

@@ -75,9 +75,15 @@ struct Judged {
 
 class Identifier {
  public:
-  Identifier(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
-             const IdentifyOptions& options, const RegistrationResult* registration)
-      : cell_(cell), observations_(observations), groups_(groups), options_(options), given_registration_(registration) {}
+  Identifier(const Cell& cell, const Measurements& measurements, const IdentifyOptions& options, const RegistrationResult* registration)
+      : cell_(cell),
+        observations_(measurements.observations),
+        groups_(measurements.poseGroups()),
+        sigmas_stated_(measurements.sigmas_stated),
+        options_(options),
+        given_registration_(registration) {
+    cell_.registration.setup = measurements.setup;
+  }
 
   Identification run() {
     result_.method = options_.method;
@@ -88,12 +94,19 @@ class Identifier {
     requireEnoughPoses(*cell_.arm, groups_.size(), !corners_ && observations_.front().pose->position_only);
     requireMovingJoints(*cell_.arm, observations_, options_.allow_still_joints, result_.warnings);
     registerAll();
-    if (!corners_ && !options_.sigmas_stated && !observations_.front().pose->position_only) estimatePoseSigmas();
+    if (!corners_ && !sigmas_stated_ && !observations_.front().pose->position_only) estimatePoseSigmas();
     result_.leave_one_out = options_.leave_one_out || (options_.hold_out_every > 0 && groups_.size() <= kFewPoses);
     folds_ = makeFolds(groups_, options_, result_.leave_one_out);
     registerFolds();
-    Judged judged = chooseCamera();
-    report(std::move(judged));
+    Choice choice = chooseCamera();
+    if (choice.stated) {
+      Identification stated = result_;
+      stated.camera_refitted = false;
+      report(std::move(*choice.stated), stated);
+      result_.with_stated_camera = std::make_shared<const Identification>(std::move(stated));
+    }
+    result_.warnings.insert(result_.warnings.end(), choice.warnings.begin(), choice.warnings.end());
+    report(std::move(choice.judged), result_);
     return std::move(result_);
   }
 
@@ -109,9 +122,7 @@ class Identifier {
       closed_form_ = registration.closed_form;
       samples_ = std::move(registration.samples);
       registration_deviation_ = registration.adjustment.covariance.diagonal().cwiseSqrt();
-      // Whoever registered before has said what was to be said.
-      if (given_registration_ == nullptr)
-        result_.warnings.insert(result_.warnings.end(), registration.warnings.begin(), registration.warnings.end());
+      result_.warnings.insert(result_.warnings.end(), registration.warnings.begin(), registration.warnings.end());
     } else {
       const Adjustment registration = registerPoses(cell_, observations_, options_.robust);
       registered_ = registration.cell;
@@ -229,24 +240,34 @@ class Identifier {
     return &entry->second;
   }
 
-  Judged chooseCamera() {
+  /// The fit that was chosen, what is to be said of it, and the fit with the camera as stated where that was given up.
+  struct Choice {
+    Judged judged;
+    std::vector<std::string> warnings = {};
+    std::optional<Judged> stated = std::nullopt;
+  };
+
+  Choice chooseCamera() {
     const bool movable = corners_ && options_.method == Method::kBundle;
-    if (!movable || options_.camera == CameraChoice::kStated) return judge(false);
+    if (!movable || options_.camera == CameraChoice::kStated) return {judge(false)};
     if (options_.camera == CameraChoice::kFree || statesDeviations(*cell_.camera)) {
-      Judged judged = judge(true);
-      sayIfLensMoved(judged.fit);
-      return judged;
+      Choice choice;
+      if (!statesDeviations(*cell_.camera)) choice.stated = judge(false);
+      choice.judged = judge(true);
+      sayIfLensMoved(choice.judged.fit, choice.warnings);
+      return choice;
     }
     Judged stated = judge(false);
-    if (folds_.empty()) return stated;
+    if (folds_.empty()) return {std::move(stated)};
     Judged freed = judge(true);
-    if (!clearlyBetter(freed, stated)) return stated;
+    if (!clearlyBetter(freed, stated)) return {std::move(stated)};
     result_.camera_refitted = true;
-    result_.warnings.push_back(
-        fmt::format("the stated lens is wrong: with the camera re-fitted ({}) the error on poses that the fit did not see falls from "
-                    "{:.2f} to {:.2f} px rms",
-                    describeMove(freed.fit), stated.stages.back().held_out.px.rms, freed.stages.back().held_out.px.rms));
-    return freed;
+    const std::string said = fmt::format(
+        "the stated lens is wrong: with the camera re-fitted ({}) the error on poses that the fit did not see falls from {:.2f} to {:.2f} "
+        "px "
+        "rms",
+        describeMove(freed.fit), stated.stages.back().held_out.px.rms, freed.stages.back().held_out.px.rms);
+    return {std::move(freed), {said}, std::move(stated)};
   }
 
   /// Paired over poses that both judged: a drop of the rms by a fifth that is also 2.6 standard errors (1 %, two-sided) above none.
@@ -290,58 +311,58 @@ class Identifier {
   }
 
   /// A camera with stated deviations that had to move far beyond them.
-  void sayIfLensMoved(const MethodFit& fit) {
+  void sayIfLensMoved(const MethodFit& fit, std::vector<std::string>& warnings) {
     result_.camera_refitted = true;
     const Eigen::VectorXd prior = cameraPrior(*cell_.camera);
     const Eigen::VectorXd move = fit.cell.camera->parameters() - cell_.camera->parameters();
     for (Eigen::Index k = 0; k < move.size(); ++k) {
       if (prior(k) > 0.0 && std::abs(move(k)) > 5.0 * prior(k)) {
-        result_.warnings.push_back(fmt::format("the stated lens is wrong: {} moved by {:.1f} of its stated standard deviations ({})",
-                                               fit.cell.camera->parameterNames()[static_cast<std::size_t>(k)], std::abs(move(k)) / prior(k),
-                                               describeMove(fit)));
+        warnings.push_back(fmt::format("the stated lens is wrong: {} moved by {:.1f} of its stated standard deviations ({})",
+                                       fit.cell.camera->parameterNames()[static_cast<std::size_t>(k)], std::abs(move(k)) / prior(k),
+                                       describeMove(fit)));
         return;
       }
     }
   }
 
-  void report(Judged judged) {
+  void report(Judged judged, Identification& result) const {
     const MethodFit& fit = judged.fit;
-    result_.stages = std::move(judged.stages);
-    result_.held_out_poses = static_cast<int>(judged.held_out.size());
-    result_.status = fit.converged ? AdjustmentStatus::kConverged : AdjustmentStatus::kIterationLimit;
-    if (!fit.converged) result_.warnings.push_back("the fit reached its iteration limit: its figures are not those of a minimum");
-    result_.steps = fit.adjustment.steps;
-    result_.gao_residuals = fit.gao_residuals;
-    result_.parameter_names = fit.parameter_names;
-    result_.parameter_deviation = fit.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    result_.rank = fit.adjustment.rank;
-    result_.condition_number = fit.adjustment.condition_number;
-    result_.unseen = fit.adjustment.unseen;
-    result_.sigmas_stated = options_.sigmas_stated;
-    result_.scale = fit.adjustment.scale;
-    result_.reduced_chi_square = fit.adjustment.reducedChiSquare();
-    result_.degrees_of_freedom = fit.adjustment.degrees_of_freedom;
+    result.stages = std::move(judged.stages);
+    result.held_out_poses = static_cast<int>(judged.held_out.size());
+    result.status = fit.converged ? AdjustmentStatus::kConverged : AdjustmentStatus::kIterationLimit;
+    if (!fit.converged) result.warnings.push_back("the fit reached its iteration limit: its figures are not those of a minimum");
+    result.steps = fit.adjustment.steps;
+    result.gao_residuals = fit.gao_residuals;
+    result.parameter_names = fit.parameter_names;
+    result.parameter_deviation = fit.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    result.rank = fit.adjustment.rank;
+    result.condition_number = fit.adjustment.condition_number;
+    result.unseen = fit.adjustment.unseen;
+    result.sigmas_stated = sigmas_stated_;
+    result.scale = fit.adjustment.scale;
+    result.reduced_chi_square = fit.adjustment.reducedChiSquare();
+    result.degrees_of_freedom = fit.adjustment.degrees_of_freedom;
     if (!corners_) {
       const double scale = fit.adjustment.scale > 0.0 ? fit.adjustment.scale : 1.0;
-      result_.sigma_position = scale * sigma_position_;
-      result_.sigma_rotation = scale * sigma_rotation_;
+      result.sigma_position = scale * sigma_position_;
+      result.sigma_rotation = scale * sigma_rotation_;
     }
     for (Eigen::Index k = 0; k < fit.adjustment.sigma_prior.size(); ++k) {
       const double prior = fit.adjustment.sigma_prior(k);
-      result_.prior_share.push_back(std::isfinite(prior) ? std::pow(result_.parameter_deviation(k) / prior, 2) : 0.0);
+      result.prior_share.push_back(std::isfinite(prior) ? std::pow(result.parameter_deviation(k) / prior, 2) : 0.0);
     }
-    nameSuspects(fit);
-    nameGauge(fit);
-    Model& model = result_.model;
+    nameSuspects(fit, result);
+    nameGauge(fit, result);
+    Model& model = result.model;
     model.cell = fit.cell;
     model.method = methodName(options_.method);
     model.deviation.twists = fit.twist_deviation;
     model.deviation.gamma = fit.gamma_deviation;
     setTransformDeviations(fit, model);
-    result_.adjustment = fit.adjustment;
-    result_.free = fit.free;
-    result_.start = fit.start;
-    result_.closed_form = closed_form_;
+    result.adjustment = fit.adjustment;
+    result.free = fit.free;
+    result.start = fit.start;
+    result.closed_form = closed_form_;
   }
 
   void setTransformDeviations(const MethodFit& fit, Model& model) const {
@@ -356,7 +377,7 @@ class Identifier {
     }
   }
 
-  void nameSuspects(const MethodFit& fit) {
+  void nameSuspects(const MethodFit& fit, Identification& result) const {
     if (fit.adjustment.weights.empty()) return;
     const bool flange = options_.method == Method::kWeighted;
     for (std::size_t k = 0; k < observations_.size(); ++k) {
@@ -373,25 +394,25 @@ class Identifier {
         sum += corners_ && !flange ? unit.residual.squaredNorm() : unit.residual.tail<3>().squaredNorm();
       }
       row.residual = std::sqrt(sum / static_cast<double>(units.size()));
-      result_.suspects.push_back(row);
+      result.suspects.push_back(row);
     }
   }
 
-  void nameGauge(const MethodFit& fit) {
+  void nameGauge(const MethodFit& fit, Identification& result) const {
     for (std::size_t k = 0; k < cell_.arm->joints.size(); ++k) {
       const bool revolute = cell_.arm->joints[k].type == JointType::kRevolute;
-      result_.gauge.push_back(
+      result.gauge.push_back(
           fmt::format("joint {}: {} changes nothing and is not a parameter", k + 1,
                       revolute ? "turning about and sliding along its own axis" : "turning about and shifting its own direction"));
     }
     const Registration& registration = fit.cell.registration;
     if (fit.free.near) {
-      result_.gauge.push_back(
+      result.gauge.push_back(
           fmt::format("Gamma and T_{}_target are one unknown: Gamma is held at its nominal value", registration.farFrame()));
-      result_.gauge.push_back(fmt::format(
+      result.gauge.push_back(fmt::format(
           "moving the {} frame and all axes together changes nothing: the tolerance priors of the axes choose", registration.nearFrame()));
     } else if (!options_.registered) {
-      result_.gauge.push_back(
+      result.gauge.push_back(
           fmt::format("T_camera_{} and T_{}_target are held as registered with the nominal arm; the axes and Gamma take up what they lack",
                       registration.nearFrame(), registration.farFrame()));
     }
@@ -399,7 +420,8 @@ class Identifier {
 
   Cell cell_;
   std::vector<Observation> observations_;
-  const std::vector<std::vector<std::size_t>>& groups_;
+  std::vector<std::vector<std::size_t>> groups_;
+  bool sigmas_stated_;
   IdentifyOptions options_;
   const RegistrationResult* given_registration_;
   Identification result_;
@@ -442,17 +464,11 @@ void IdentifyOptions::validate() const {
   if (hold_out_every < 0 || hold_out_every == 1) throw InvalidArgument("hold_out_every must be 0 or at least 2");
 }
 
-Identification identify(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
-                        const IdentifyOptions& options, const RegistrationResult* registration) {
+Identification identify(const Cell& cell, const Measurements& measurements, const IdentifyOptions& options,
+                        const RegistrationResult* registration) {
   options.validate();
   if (!cell.arm) throw InvalidArgument("identification needs an arm");
-  return Identifier(cell, observations, groups, options, registration).run();
-}
-
-std::vector<std::vector<std::size_t>> observationGroups(const std::vector<Observation>& observations, const std::vector<Sample>& samples) {
-  std::vector<Sample> rows;
-  for (const Observation& observation : observations) rows.push_back(samples.at(observation.sample));
-  return poseGroups(rows);
+  return Identifier(cell, measurements, options, registration).run();
 }
 
 }  // namespace poecal

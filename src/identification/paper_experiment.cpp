@@ -52,10 +52,10 @@ PaperFit fitPaper(const Arm& nominal, const Arm& actual, const PoseTable& table,
   options.gao_length_unit = 1e-3;  // the paper's millimetres
   Cell cell;
   cell.arm = nominal;
-  const std::vector<Observation> observations = poseObservations(table, 1e-3, 1e-3);
-  std::vector<std::vector<std::size_t>> groups;
-  for (std::size_t k = 0; k < observations.size(); ++k) groups.push_back({k});
-  const Identification identification = identify(cell, observations, groups, options);
+  Measurements measurements;
+  for (const MeasuredPose& pose : table.poses) measurements.addPose(pose.sample, pose.T_instrument_tool, 1e-3, 1e-3);
+  measurements.sigmas_stated = false;
+  const Identification identification = identify(cell, measurements, options);
   PaperFit fit;
   fit.arm = *identification.model.cell.arm;
   fit.residuals = identification.gao_residuals;

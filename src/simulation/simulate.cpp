@@ -49,11 +49,11 @@ void writePicture(const std::filesystem::path& file, const cv::Mat& picture) {
 
 std::string boardPictureName(std::size_t index) { return fmt::format("{:04}.png", index); }
 
-void writePictures(const Simulation& simulation, const std::filesystem::path& folder, int jobs) {
+void writePictures(const Simulation& simulation, const std::filesystem::path& folder, const SimulateOptions& options) {
   const Scene& scene = simulation.scene;
   const Cell cell = trueCell(scene);
-  Progress progress("pictures", simulation.samples.samples.size());
-  parallelFor(simulation.samples.samples.size(), jobs, [&](std::size_t k) {
+  Progress progress(options.progress, "drawing", simulation.samples.samples.size());
+  parallelFor(simulation.samples.samples.size(), options.jobs, [&](std::size_t k) {
     const Sample& sample = simulation.samples.samples[k];
     const Disturbance& disturbance = simulation.disturbances[k];
     writePicture(folder / sample.image,
@@ -63,10 +63,10 @@ void writePictures(const Simulation& simulation, const std::filesystem::path& fo
   });
 }
 
-void writeBoardPictures(const Simulation& simulation, const std::filesystem::path& folder, int jobs) {
+void writeBoardPictures(const Simulation& simulation, const std::filesystem::path& folder, const SimulateOptions& options) {
   const Scene& scene = simulation.scene;
-  Progress progress("intrinsics pictures", simulation.T_camera_board.size());
-  parallelFor(simulation.T_camera_board.size(), jobs, [&](std::size_t k) {
+  Progress progress(options.progress, "drawing boards", simulation.T_camera_board.size());
+  parallelFor(simulation.T_camera_board.size(), options.jobs, [&](std::size_t k) {
     writePicture(folder / boardPictureName(k), renderTarget(scene.camera, *scene.board, simulation.T_camera_board[k],
                                                             imageOptions(scene, k), scene.seed, streamOf(Purpose::kBoardPicture, k)));
     progress.advance();
@@ -102,15 +102,15 @@ std::string captureYaml(const Scene& scene) {
   return text;
 }
 
-void writeCapture(const Simulation& simulation, const std::filesystem::path& folder, int jobs) {
+void writeCapture(const Simulation& simulation, const std::filesystem::path& folder, const SimulateOptions& options) {
   const Scene& scene = simulation.scene;
   if (scene.image) {
-    writePictures(simulation, folder, jobs);
+    writePictures(simulation, folder, options);
   } else {
     writeTextFile(folder / "detections.csv", detectionsCsv(noisyCorners(simulation)));
   }
   if (scene.board) {
-    writeBoardPictures(simulation, folder / "intrinsics", jobs);
+    writeBoardPictures(simulation, folder / "intrinsics", options);
   } else {
     writeTextFile(folder / "camera.yaml", cameraYaml(scene.stated_camera));
   }
@@ -207,7 +207,7 @@ SimulateSummary simulate(const Scene& scene, const std::filesystem::path& captur
   simulation.corners = trueCorners(scene, simulation.samples);
   if (scene.board) simulation.T_camera_board = drawBoardPoses(scene.camera, *scene.board, scene.board_count, scene.seed);
   writeTruth(simulation, truth);
-  writeCapture(simulation, folder, options.jobs);
+  writeCapture(simulation, folder, options);
   SimulateSummary summary = summaryOf(simulation);
   summary.truth = truth;
   return summary;

@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "poecal/core/text.hpp"
+#include "poecal/effects/catalogue.hpp"
+#include "poecal/identification/model.hpp"
 #include "poecal/robot/robot_file.hpp"
-#include "robot/robot_yaml.hpp"
 #include "robot/urdf_examples.hpp"
 #include "support/matchers.hpp"
 #include "support/program.hpp"
@@ -15,19 +17,29 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
+Model fromUrdf(const std::string& base_link, const std::string& tip_link) {
+  Model model;
+  model.urdf = "arm.urdf";
+  model.base_link = base_link;
+  model.tip_link = tip_link;
+  return model;
+}
+
 constexpr double kSamePose = 1e-13;  // two texts of 17 digits and a chain of ten poses
 
 // A folder with arm.urdf and the model.yaml of an arm that is a little off.
 class Export : public ::testing::Test {
  protected:
-  Export() { place(test::kSevenJoints, ""); }
+  Export() { place(test::kSevenJoints); }
 
-  void place(const test::UrdfExample& example, const std::string& more_of_model) {
+  /// @param more  of the model beside its arm.
+  void place(const test::UrdfExample& example, Model more = {}) {
     folder_.write("arm.urdf", example.text());
     Rng rng = test::rngOfThisTest();
     const Arm nominal = readUrdf(example.file(), example.base_link, example.tip_link);
     arm_ = displaceTwists(nominal, test::uniformVector(rng, twistParameterCount(nominal), 2e-3));
-    folder_.write("model.yaml", "format: poecal-model/1\n" + more_of_model + "robot:\n" + robotMapYaml(arm_, 2) + "camera: {}\n");
+    more.cell.arm = arm_;
+    folder_.write("model.yaml", modelYaml(more));
   }
   test::ProgramRun run(const std::string& options = "") {
     return test::runProgram(folder_.path(), "export model.yaml --urdf arm.urdf --out out/calibrated.urdf " + options);
@@ -63,22 +75,19 @@ TEST_F(Export, JsonSaysHowFarEachAxisMoved) {
 }
 
 TEST_F(Export, ModelNamesTheLinks) {
-  place(test::kSixJoints, "source: {urdf: arm.urdf, base_link: base_link, tip_link: tool0}\n");
-  EXPECT_EQ(run().status, 0);
-  expectExported("base_link", "tool0");
-  place(test::kSixJoints, "tip_link: tool0\n");
+  place(test::kSixJoints, fromUrdf("base_link", "tool0"));
   EXPECT_EQ(run().status, 0);
   expectExported("base_link", "tool0");
 }
 
 TEST_F(Export, OptionsGoBeforeTheModel) {
-  place(test::kSixJoints, "source: {urdf: arm.urdf, base_link: base_link, tip_link: finger}\n");
+  place(test::kSixJoints, fromUrdf("base_link", "finger"));
   EXPECT_EQ(run("--tip-link tool0").status, 0);
   expectExported("base_link", "tool0");
 }
 
 TEST_F(Export, SaysWhichOptionIsNeeded) {
-  place(test::kSixJoints, "");
+  place(test::kSixJoints);
   const test::ProgramRun result = run();
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("poecal: error: arm.urdf has 2 chains, expected --tip-link"));
@@ -87,7 +96,11 @@ TEST_F(Export, SaysWhichOptionIsNeeded) {
 }
 
 TEST_F(Export, WarnsOfEffectsThatAUrdfCannotHold) {
-  place(test::kSevenJoints, "effects: [{effect: joint_backlash, location: \"joint:2\", parameters: {half_gap: 1.0e-4}}]\n");
+  Model model;
+  Cell cell;
+  cell.arm = arm_;
+  model.effects = {makeEffect({.effect = "joint_backlash", .location = "joint:2", .parameters = {{"half_gap", 1e-4}}}, cell)};
+  place(test::kSevenJoints, model);
   const test::ProgramRun result = run("--quiet");
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.out, IsEmpty());

@@ -25,7 +25,7 @@ const Eigen::Vector3d kGravity(0.0, 0.0, -9.80665);
 struct Capture {
   test::SmallCell small;
   Cell stated;
-  std::vector<std::vector<std::size_t>> groups;
+  Measurements measurements;
   RegistrationResult registration;
 };
 
@@ -37,7 +37,7 @@ const Capture& captureOf(int poses) {
     capture.small = test::smallCell(1, poses, kCornerSigma, {});
     capture.stated = capture.small.cell;
     capture.stated.arm = capture.small.nominal;
-    capture.groups = observationGroups(capture.small.observations, capture.small.samples);
+    capture.measurements = capture.small.measurements();
     capture.registration = registerCell(capture.stated, capture.small.observations, {});
   }
   return capture;
@@ -99,7 +99,7 @@ void stage(::benchmark::State& state, const std::string& name) {
   Identification identified;
   if (name == "diagnose") {
     options.hold_out_every = 0;
-    identified = identify(capture.stated, observations, capture.groups, options, &capture.registration);
+    identified = identify(capture.stated, capture.measurements, options, &capture.registration);
   } else if (name != "measure") {
     options.method = methodFromName(name);
   }
@@ -108,9 +108,9 @@ void stage(::benchmark::State& state, const std::string& name) {
     if (name == "measure") {
       ::benchmark::DoNotOptimize(registerCell(capture.stated, observations, {}));
     } else if (name == "diagnose") {
-      ::benchmark::DoNotOptimize(diagnose(identified, observations, capture.small.samples, {}, capture.small.target, kGravity, {}));
+      ::benchmark::DoNotOptimize(diagnose(identified, capture.measurements));
     } else {
-      ::benchmark::DoNotOptimize(identify(capture.stated, observations, capture.groups, options, &capture.registration));
+      ::benchmark::DoNotOptimize(identify(capture.stated, capture.measurements, options, &capture.registration));
     }
   }
   state.counters["megabytes"] = memory.megabytes();

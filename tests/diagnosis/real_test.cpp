@@ -20,17 +20,14 @@ TEST(DiagnoseReal, AnEccentricJointIsNamedBesideTheRecordingsOwnGap) {
   cell.arm = readRobotYaml(folder / "robot.yaml");
   PoseTable table = readPoses(folder / "poses.csv", *cell.arm);
   constexpr double kCosine = -3.4e-3, kSine = -4.8e-3;  // [rad]
-  std::vector<Sample> samples;
   for (MeasuredPose& pose : table.poses) {
     double& q1 = pose.sample.q(0);
     q1 -= kCosine * std::cos(q1) + kSine * std::sin(q1);
-    samples.push_back(pose.sample);
   }
-  const std::vector<Observation> observations = poseObservations(table, 1e-3, 3e-3);
+  const Measurements measurements = measurementsOf(table);
   IdentifyOptions options;
   options.hold_out_every = 0;
-  const Identification identified = identify(cell, observations, observationGroups(observations, samples), options);
-  const Diagnosis diagnosis = diagnose(identified, observations, samples, table.other_columns, {}, {0.0, 0.0, -9.80665}, {});
+  const Diagnosis diagnosis = diagnose(identify(cell, measurements, options), measurements);
   std::vector<std::string> named;
   for (const Finding& finding : diagnosis.findings) named.push_back(finding.effect + "@" + finding.location);
   ASSERT_THAT(named, ::testing::Contains("joint_eccentricity@joint:1"));

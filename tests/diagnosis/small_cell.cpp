@@ -82,13 +82,21 @@ SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vect
   return small;
 }
 
+Measurements SmallCell::measurements() const {
+  Measurements measured;
+  measured.target = target;
+  measured.samples = samples;
+  measured.observations = observations;
+  return measured;
+}
+
 Diagnosis SmallCell::diagnosis() const {
   Cell stated = cell;
   stated.arm = nominal;
   IdentifyOptions options;
   options.hold_out_every = 0;
-  const Identification identification = identify(stated, observations, observationGroups(observations, samples), options);
-  return diagnose(identification, observations, samples, {}, target, {0.0, 0.0, -9.80665}, {});
+  const Measurements measured = measurements();
+  return diagnose(identify(stated, measured, options), measured);
 }
 
 }  // namespace poecal::test

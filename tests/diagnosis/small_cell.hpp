@@ -16,6 +16,7 @@ struct SmallCell {
   std::vector<Sample> samples;
   std::vector<Observation> observations;
 
+  Measurements measurements() const;
   /// The diagnosis of what was observed, as the program makes it.
   Diagnosis diagnosis() const;
 };

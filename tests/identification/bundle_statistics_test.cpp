@@ -21,7 +21,7 @@ TEST_P(BundleOf, ErrorsAtUnseenPosesAreThoseThatTheCovariancePredicts) {
   std::vector<double> reduced;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Simulated data = simulated(GetParam(), seed, 60, 30);
-    const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+    const Identification found = identify(data.nominal, data.measurements(), plainBundle());
     reduced.push_back(found.reduced_chi_square);
     for (const Observation& observation : data.unseen) {
       SampleRows rows;  // exact corners: what is left is the model's error

@@ -23,7 +23,7 @@ using test::simulated;
 
 TEST(Identify, AFifthOfWrongRowsIsListedAndDoesNotMoveTheModel) {
   Simulated data = simulated("cobot6", 3, 60, 0);
-  const Identification clean = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+  const Identification clean = identify(data.nominal, data.measurements(), plainBundle());
   Rng rng = test::rngOfThisTest();
   std::vector<std::size_t> wrong;
   for (std::size_t k = 0; k < data.calibration.size(); k += 5) {
@@ -36,7 +36,7 @@ TEST(Identify, AFifthOfWrongRowsIsListedAndDoesNotMoveTheModel) {
       }
     }
   }
-  const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+  const Identification found = identify(data.nominal, data.measurements(), plainBundle());
   std::vector<std::size_t> left_out;
   for (const SuspectRow& row : found.suspects) {
     if (row.left_out) left_out.push_back(row.sample);
@@ -55,7 +55,7 @@ TEST(Identify, AllThreeMethodsAgreeAndHoldTheJointConstraints) {
   for (const Method method : {Method::kBundle, Method::kWeighted, Method::kGao}) {
     IdentifyOptions options = plainBundle();
     options.method = method;
-    const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
+    const Identification found = identify(data.nominal, data.measurements(), options);
     for (const Joint& joint : found.model.cell.arm->joints) {
       EXPECT_NEAR(joint.xi.head<3>().norm(), 1.0, 1e-12);
       EXPECT_NEAR(joint.xi.head<3>().dot(joint.xi.tail<3>()), 0.0, 1e-12);
@@ -76,7 +76,7 @@ TEST(Identify, HeldOutPosesFallFromRungToRung) {
   const Simulated data = simulated("arm7", 5, 60, 0);
   IdentifyOptions options;
   options.camera = CameraChoice::kStated;
-  const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
+  const Identification found = identify(data.nominal, data.measurements(), options);
   ASSERT_EQ(found.stages.size(), 3u);
   EXPECT_EQ(found.held_out_poses, 60);  // each judges once
   EXPECT_LT(found.stages[2].held_out.px.rms, 0.2 * found.stages[1].held_out.px.rms);
@@ -86,30 +86,30 @@ TEST(Identify, HeldOutPosesFallFromRungToRung) {
 TEST(Identify, AStillJointIsAnErrorByName) {
   Simulated data = simulated("cobot6", 6, 40, 0);
   for (Observation& observation : data.calibration) observation.q(3) = 0.25;
-  EXPECT_THAT([&] { identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle()); },
+  EXPECT_THAT([&] { identify(data.nominal, data.measurements(), plainBundle()); },
               ::testing::ThrowsMessage<InsufficientData>(::testing::HasSubstr("joint 4")));
 }
 
 TEST(Identify, TooFewPosesSaysHowManyAreNeeded) {
   Simulated data = simulated("cobot6", 6, 4, 0);
-  EXPECT_THAT([&] { identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle()); },
+  EXPECT_THAT([&] { identify(data.nominal, data.measurements(), plainBundle()); },
               ::testing::ThrowsMessage<InsufficientData>(::testing::HasSubstr("take at least 7 poses")));
 }
 
 TEST(Identify, JointsInDegreesAreSuspected) {
   Simulated data = simulated("cobot6", 7, 40, 0);
   for (Observation& observation : data.calibration) observation.q *= 180.0 / M_PI;
-  EXPECT_THAT([&] { identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle()); },
+  EXPECT_THAT([&] { identify(data.nominal, data.measurements(), plainBundle()); },
               ::testing::ThrowsMessage<ImplausibleInput>(::testing::HasSubstr("degrees")));
 }
 
 TEST(Identify, AWrongLensIsSaidAndARightOneIsNot) {
   Simulated data = simulated("cobot6", 8, 60, 0);
   IdentifyOptions options;
-  const Identification right = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
+  const Identification right = identify(data.nominal, data.measurements(), options);
   EXPECT_FALSE(right.camera_refitted);
   data.nominal.camera->distortion.setZero();
-  const Identification wrong = identify(data.nominal, data.calibration, eachAlone(data.calibration), options);
+  const Identification wrong = identify(data.nominal, data.measurements(), options);
   EXPECT_TRUE(wrong.camera_refitted);
   EXPECT_THAT(wrong.warnings, ::testing::Contains(::testing::HasSubstr("the stated lens is wrong")));
   EXPECT_NEAR(wrong.model.cell.camera->distortion(0), data.truth.camera->distortion(0),
@@ -118,7 +118,7 @@ TEST(Identify, AWrongLensIsSaidAndARightOneIsNot) {
 
 TEST(Identify, ModelFileReadsBackAsTheSameModel) {
   const Simulated data = simulated("scara", 9, 40, 5);
-  Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+  Identification found = identify(data.nominal, data.measurements(), plainBundle());
   found.model.target = data.target;
   const test::TempFolder folder;
   const AppliedEffect backlash =
@@ -137,7 +137,7 @@ TEST(Identify, ModelFileReadsBackAsTheSameModel) {
 
 TEST(Identify, ReportIsJsonWithEveryPartOfTheContract) {
   const Simulated data = simulated("puma560", 10, 40, 0);
-  const Identification found = identify(data.nominal, data.calibration, eachAlone(data.calibration), plainBundle());
+  const Identification found = identify(data.nominal, data.measurements(), plainBundle());
   std::vector<Sample> samples(data.calibration.size());
   const nlohmann::json json = nlohmann::json::parse(identificationJson(found, samples));
   EXPECT_EQ(json["joints"].size(), 6u);

@@ -13,11 +13,7 @@ Identification identifyPoses(const std::string& set) {
   const std::filesystem::path folder = test::realFolder() / set;
   Cell cell;
   cell.arm = readRobotYaml(folder / "robot.yaml");
-  const PoseTable table = readPoses(folder / "poses.csv", *cell.arm);
-  std::vector<Sample> samples;
-  for (const MeasuredPose& pose : table.poses) samples.push_back(pose.sample);
-  const std::vector<Observation> observations = poseObservations(table, 1e-3, 3e-3);
-  return identify(cell, observations, observationGroups(observations, samples), {});
+  return identify(cell, measurementsOf(readPoses(folder / "poses.csv", *cell.arm)));
 }
 
 TEST(IdentifyReal, FrankaBoardHeldOut) {
@@ -46,9 +42,7 @@ TEST(IdentifyReal, Irb2400SaysThatTheLensIsWrong) {
   Cell cell;
   cell.arm = capture.arm;
   cell.camera = capture.camera;
-  cell.registration.setup = capture.setup;
-  const std::vector<Observation> observations = cornerObservations(capture.table, detections, capture.target);
-  const Identification found = identify(cell, observations, observationGroups(observations, capture.table.samples), {});
+  const Identification found = identify(cell, measurementsOf(capture, detections));
   EXPECT_TRUE(found.leave_one_out);
   EXPECT_TRUE(found.camera_refitted);
   EXPECT_THAT(found.warnings, ::testing::Contains(::testing::HasSubstr("the stated lens is wrong")));

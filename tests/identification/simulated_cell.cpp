@@ -45,10 +45,13 @@ Simulated simulated(const std::string& name, std::uint64_t seed, int poses, int 
   return result;
 }
 
-std::vector<std::vector<std::size_t>> eachAlone(const std::vector<Observation>& observations) {
-  std::vector<std::vector<std::size_t>> groups;
-  for (std::size_t k = 0; k < observations.size(); ++k) groups.push_back({k});
-  return groups;
+Measurements Simulated::measurements() const {
+  Measurements measured;
+  measured.setup = nominal.registration.setup;
+  measured.target = target;
+  measured.observations = calibration;
+  for (std::size_t k = 0; k < calibration.size(); ++k) measured.groups.push_back({k});
+  return measured;
 }
 
 IdentifyOptions plainBundle() {

@@ -15,6 +15,9 @@ struct Simulated {
   Cell nominal;
   Target target;
   std::vector<Observation> calibration, unseen;
+
+  /// The calibration corners, each pose by itself. Their deviations count as not stated, so that their scale is estimated.
+  Measurements measurements() const;
 };
 
 constexpr double kSigma = 0.1;  ///< stated, and that of the calibration corners [px]
@@ -24,8 +27,6 @@ std::vector<Observation> observe(const Scene& scene, std::uint64_t seed, int cou
 
 /// @param unseen  poses with exact corners.
 Simulated simulated(const std::string& name, std::uint64_t seed, int poses, int unseen);
-
-std::vector<std::vector<std::size_t>> eachAlone(const std::vector<Observation>& observations);
 
 /// Bundle without held-out poses and with the camera as it is.
 IdentifyOptions plainBundle();

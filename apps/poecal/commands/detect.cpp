@@ -6,11 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "inputs.hpp"
+#include "poecal/calibration/load_capture.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detect_capture.hpp"
 #include "poecal/detection/known_corners.hpp"
+#include "sources.hpp"
 
 namespace poecal::app {
 namespace {
@@ -91,13 +92,15 @@ int run(Arguments& arguments, const Common& common) {
   const bool whole = arguments.part.empty();
   Capture capture = openCapture(arguments.capture);
   if (!whole) keepPart(parsePart(arguments.part), capture.table.samples);
+  TerminalListener listener(common);
   arguments.detect.jobs = common.jobs;
+  arguments.detect.progress = listener.progressFunction();
   KnownCorners known(whole ? knownCornersFile(arguments.out.parent_path()) : arguments.out);
   for (const std::filesystem::path& file : arguments.known) known.read(file);
   const DetectResult result = detectCapture(capture, arguments.detect, &known);
   known.finish();
-  const std::vector<std::string> notes = describe(result.notes);
-  warnAll(notes);
+  const std::vector<std::string> notes = texts(result.notes);
+  listener.warnings(notes);
   if (whole) {
     requireTarget(capture, result);
     writeTextFile(arguments.out, detectionsCsv(result.detections));

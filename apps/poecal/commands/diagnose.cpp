@@ -2,9 +2,9 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
-#include "diagnosing.hpp"
 #include "poecal/core/error.hpp"
-#include "poecal/robot/robot_file.hpp"
+#include "sources.hpp"
+#include "summaries.hpp"
 
 namespace poecal::app {
 namespace {
@@ -26,38 +26,25 @@ std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
   struct Options {
     ArmSource source;
     std::filesystem::path out;
-    std::filesystem::path identified;
     std::string explain;
-    IdentifyOptions identify;
+    CalibrateOptions calibrate;
   };
   const auto options = std::make_shared<Options>();
-  addArmSource(app, options->source, options->identify);
+  options->calibrate.identify.allow_still_joints = true;
+  addArmSource(app, options->source, options->calibrate.identify);
   app.add_option("--out", options->out, "Folder for diagnosis.json and model.yaml")->required();
-  app.add_option(
-      "--identified", options->identified,
-      "Folder with the results of identify: its model.yaml is kept where it predicts unseen poses clearly better, as run does it");
+  app.add_option("--identified", options->source.capture.identified, "Folder with the results of identify, which must be of this capture");
   app.add_option("--explain", options->explain, "Say of an effect, at each of its places, why it was or was not chosen");
-  addToleranceOptions(app, options->identify);
+  addToleranceOptions(app, options->calibrate.identify);
   app.footer(kExample);
   return [options, &common] {
-    requireArmSource("diagnose", options->source);
+    const ArmSource& source = options->source;
     if (!options->explain.empty()) effectKind(options->explain);
-    options->identify.jobs = common.jobs;
-    Diagnosing result;
-    if (!options->source.capture.folder.empty()) {
-      const CaptureInputs inputs = loadCapture(options->source.capture, options->out, common);
-      const Identification start = diagnosisStart(inputs, options->identify);
-      result = options->identified.empty()
-                   ? diagnoseCapture(inputs, start, options->identify, options->out)
-                   : diagnoseIdentified(inputs, start, readIdentifiedModel(options->identified), options->identify, options->out);
-    } else {
-      if (!options->identified.empty()) throw InvalidArgument("--identified needs a CAPTURE");
-      const Arm arm = readArm(options->source.robot, options->source.base_link, options->source.tip_link);
-      const PoseTable table = readPoses(options->source.poses, arm);
-      result = diagnosePoses(table, diagnosisStart(arm, table, options->identify), options->identify, options->out);
-    }
-    if (!options->explain.empty()) result.text += explainEffect(result.diagnosis, options->explain);
-    printSummary(common, result.text, result.json);
+    if (!source.capture.identified.empty() && source.capture.folder.empty()) throw InvalidArgument("--identified needs a CAPTURE");
+    const CalibrationRun run = runSource("diagnose", source, options->out, options->calibrate, {.diagnosis = true}, common);
+    std::string text = diagnosisSummary(run);
+    if (!options->explain.empty() && run.calibration.diagnosis) text += explainEffect(*run.calibration.diagnosis, options->explain);
+    printReport(common, text, diagnosisJson(run.calibration, run.measurements));
     return 0;
   };
 }

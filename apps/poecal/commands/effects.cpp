@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/effects/catalogue.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "core/yaml.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/identification/model.hpp"
 #include "poecal/robot/robot_file.hpp"
-#include "robot/robot_yaml.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {
@@ -27,16 +27,9 @@ struct ExportOptions {
   std::string tip_link;   ///< Empty: as the model says, otherwise the URDF's only leaf.
 };
 
-/// What the model says about the URDF it was read from, at `source:` or at its top level; empty where it says nothing.
-std::string linkOfModel(const YamlNode& model, const char* key) {
-  const auto source = model.find("source");
-  const auto link = source && source->isMap() && source->has(key) ? source->find(key) : model.find(key);
-  return link ? link->text() : "";
-}
-
-void chooseLinks(ExportOptions& options, const YamlNode& model) {
-  if (options.base_link.empty()) options.base_link = linkOfModel(model, "base_link");
-  if (options.tip_link.empty()) options.tip_link = linkOfModel(model, "tip_link");
+void chooseLinks(ExportOptions& options, const Model& model) {
+  if (options.base_link.empty()) options.base_link = model.base_link;
+  if (options.tip_link.empty()) options.tip_link = model.tip_link;
   if (!options.base_link.empty() && !options.tip_link.empty()) return;
   const UrdfEnds ends = urdfEnds(options.urdf);
   if (options.base_link.empty()) options.base_link = ends.root;
@@ -49,11 +42,9 @@ void chooseLinks(ExportOptions& options, const YamlNode& model) {
   options.tip_link = ends.leaves.front();
 }
 
-void warnOfEffects(const YamlNode& model) {
-  const auto effects = model.find("effects");
-  if (!effects || !effects->isSequence()) return;
-  for (const YamlNode& effect : effects->items()) {
-    warn(fmt::format("effect {} at {} stays behind: a URDF holds geometry alone", effect["effect"].text(), effect["location"].text()));
+void warnOfEffects(const Model& model) {
+  for (const AppliedEffect& applied : model.effects) {
+    warn(fmt::format("effect {} at {} stays behind: a URDF holds geometry alone", applied.effect.name(), applied.effect.location()));
   }
 }
 
@@ -71,9 +62,8 @@ void summarise(const Common& common, const ExportOptions& options, const Arm& no
 }
 
 int runExport(ExportOptions options, const Common& common) {
-  const YamlNode model = YamlNode::load(options.model);
-  model.checkFormat("poecal-model/1");
-  const Arm calibrated = readRobotMap(model["robot"]);
+  const Model model = readModel(options.model);
+  const Arm& calibrated = *model.cell.arm;
   chooseLinks(options, model);
   for (const std::filesystem::path& input : {options.model, options.urdf}) {
     std::error_code out_is_not_there;

@@ -4,8 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "fleet.hpp"
+#include "poecal/calibration/fleet.hpp"
 #include "poecal/core/text.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {
@@ -23,6 +24,46 @@ Example:
 The figures are on poses that the fit did not see; of cell-4 only `measure` was run.
 )";
 
+template <typename Value>
+nlohmann::json orNull(const std::optional<Value>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+}
+
+void addErrors(const std::string& stage, const StageErrors* errors, nlohmann::json& row) {
+  row[stage + "_px"] = errors != nullptr ? orNull(errors->rms_px) : nlohmann::json(nullptr);
+  row[stage + "_mm"] = errors != nullptr ? orNull(errors->position) : nlohmann::json(nullptr);
+  row[stage + "_mrad"] = errors != nullptr ? orNull(errors->rotation) : nlohmann::json(nullptr);
+}
+
+/// A row of fleet.csv, by the names of its columns, with numbers and lists as such.
+nlohmann::json rowJson(const ResultSummary& summary) {
+  nlohmann::json row{{"name", summary.name},
+                     {"folder", summary.folder.generic_string()},
+                     {"pictures", orNull(summary.pictures)},
+                     {"pictures_with_corners", orNull(summary.pictures_with_corners)},
+                     {"pictures_left_out", orNull(summary.pictures_left_out)},
+                     {"registration_px", orNull(summary.registration_px)},
+                     {"free_pose_px", orNull(summary.free_pose_px)},
+                     {"poses", orNull(summary.poses)},
+                     {"verdict", orNull(summary.verdict)},
+                     {"shrinkage", orNull(summary.shrinkage)},
+                     {"shrinkage_low", orNull(summary.shrinkage_low)},
+                     {"shrinkage_high", orNull(summary.shrinkage_high)},
+                     {"bad_samples", orNull(summary.bad_samples)},
+                     {"warnings", summary.warnings}};
+  for (const char* stage : {"nominal", "registered", "identified"}) addErrors(stage, summary.stage(stage), row);
+  addErrors("diagnosed", summary.diagnosed ? &*summary.diagnosed : nullptr, row);
+  for (const char* list : {"findings", "locations", "sizes"}) row[list] = nullptr;
+  if (!summary.verdict || !summary.why.empty()) return row;
+  for (const char* list : {"findings", "locations", "sizes"}) row[list] = nlohmann::json::array();
+  for (const FindingSummary& finding : summary.findings) {
+    row["findings"].push_back(finding.effect);
+    row["locations"].push_back(finding.location);
+    row["sizes"].push_back(finding.size);
+  }
+  return row;
+}
+
 }  // namespace
 
 std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
@@ -35,11 +76,15 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
   app.add_option("--out", options->out, "The table to write (fleet.csv)")->required();
   app.footer(kExample);
   return [options, &common] {
-    std::vector<FleetRow> rows;
-    for (const std::filesystem::path& folder : options->folders) rows.push_back(readFleetRow(folder));
-    writeTextFile(options->out, fleetCsv(rows));
-    printSummary(common, fleetText(rows) + fmt::format("{} captures in {}\n", rows.size(), options->out.string()),
-                 {{"captures", rows}, {"file", options->out.string()}});
+    std::vector<ResultSummary> results;
+    nlohmann::json captures = nlohmann::json::array();
+    for (const std::filesystem::path& folder : options->folders) {
+      results.push_back(readResults(folder));
+      captures.push_back(rowJson(results.back()));
+    }
+    writeTextFile(options->out, fleetCsv(results));
+    printSummary(common, fleetText(results) + fmt::format("{} captures in {}\n", results.size(), options->out.string()),
+                 {{"captures", captures}, {"file", options->out.string()}});
     return 0;
   };
 }

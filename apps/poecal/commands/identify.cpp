@@ -2,9 +2,8 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
-#include "identifying.hpp"
-#include "poecal/core/error.hpp"
-#include "poecal/robot/robot_file.hpp"
+#include "sources.hpp"
+#include "summaries.hpp"
 
 namespace poecal::app {
 namespace {
@@ -26,24 +25,16 @@ std::function<int()> setUpIdentify(CLI::App& app, const Common& common) {
   struct Options {
     ArmSource source;
     std::filesystem::path out;
-    IdentifyOptions identify;
+    CalibrateOptions calibrate{.last = CalibrationStep::kIdentification};
   };
   const auto options = std::make_shared<Options>();
-  addArmSource(app, options->source, options->identify);
+  addArmSource(app, options->source, options->calibrate.identify);
   app.add_option("--out", options->out, "Folder for model.yaml and identification.json")->required();
-  addIdentifyOptions(app, options->identify);
+  addIdentifyOptions(app, options->calibrate.identify);
   app.footer(kExample);
   return [options, &common] {
-    requireArmSource("identify", options->source);
-    options->identify.jobs = common.jobs;
-    Identifying result;
-    if (!options->source.capture.folder.empty()) {
-      result = identifyCapture(loadCapture(options->source.capture, options->out, common), options->identify, options->out);
-    } else {
-      const Arm arm = readArm(options->source.robot, options->source.base_link, options->source.tip_link);
-      result = identifyPoses(arm, readPoses(options->source.poses, arm), options->identify, options->out);
-    }
-    printSummary(common, result.text, result.json);
+    const CalibrationRun run = runSource("identify", options->source, options->out, options->calibrate, {.identification = true}, common);
+    printReport(common, identificationText(run), identificationJson(*run.calibration.identification, run.measurements.samples));
     return 0;
   };
 }

@@ -9,9 +9,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "board_folder.hpp"
 #include "commands.hpp"
+#include "poecal/calibration/board_folder.hpp"
 #include "poecal/camera/intrinsics.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {
@@ -101,7 +102,8 @@ int run(const Arguments& arguments, const Common& common) {
   IntrinsicsOptions options;
   options.model = findDistortionModel(arguments.model).value();
   options.drop_bad = arguments.drop_bad;
-  const IntrinsicsResult result = calibrateBoardFolder(arguments.folder, options, common, arguments.out);
+  TerminalListener listener(common);
+  const IntrinsicsResult result = calibrateBoardFolder(arguments.folder, options, common.jobs, arguments.out, listener);
   printSummary(common, summaryText(arguments, result), summaryJson(arguments, result));
   return 0;
 }

@@ -1,10 +1,9 @@
 // poecal measure: hand-eye and base registration, and the flange poses that the camera measured.
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "measuring.hpp"
+#include "sources.hpp"
+#include "summaries.hpp"
 
 namespace poecal::app {
 namespace {
@@ -28,9 +27,9 @@ std::function<int()> setUpMeasure(CLI::App& app, const Common& common) {
   app.add_option("--out", options->out, "Folder for registration.yaml and flange_poses.csv")->required();
   app.footer(kExample);
   return [options, &common] {
-    const CaptureInputs inputs = loadCapture(options->capture, options->out, common);
-    const Measuring measuring = measureCapture(inputs, options->out);
-    printSummary(common, measuring.text, measuring.json);
+    const CalibrationRun run = runSource("measure", {options->capture, {}}, options->out, {.last = CalibrationStep::kRegistration},
+                                         {.registration = true}, common);
+    printReport(common, registrationText(run), registrationSummaryJson(run));
     return 0;
   };
 }

@@ -7,6 +7,7 @@
 #include "poecal/core/statistics.hpp"
 #include "poecal/identification/paper_experiment.hpp"
 #include "poecal/robot/robot_file.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {

@@ -12,6 +12,7 @@
 #include "poecal/core/text.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/identification/model.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {

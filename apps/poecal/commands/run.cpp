@@ -1,11 +1,9 @@
 // poecal run: the main job from a capture folder to a calibrated arm.
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "diagnosing.hpp"
-#include "measuring.hpp"
+#include "sources.hpp"
+#include "summaries.hpp"
 
 namespace poecal::app {
 namespace {
@@ -31,35 +29,26 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
   struct Options {
     CaptureSource capture;
     std::filesystem::path out;
-    IdentifyOptions identify;
+    CalibrateOptions calibrate;
   };
   const auto options = std::make_shared<Options>();
   addMeasuredCaptureOption(app, options->capture)->required();
   app.add_option("--out", options->out, "Folder for all results")->required();
-  addIdentifyOptions(app, options->identify);
+  addIdentifyOptions(app, options->calibrate.identify);
   app.footer(kExample);
   return [options, &common] {
-    options->identify.jobs = common.jobs;
-    const CaptureInputs inputs = loadCapture(options->capture, options->out, common);
-    const Measuring measuring = measureCapture(inputs, options->out);
-    nlohmann::json json{{"measure", measuring.json}};
-    std::string text = measuring.text;
-    if (inputs.cell.arm) {
-      const Identifying identifying = identifyCapture(inputs, options->identify, options->out, &measuring.registration);
-      text += identifying.text;
-      json["identify"] = identifying.json;
-      const Identification& identification = identifying.identification;
-      if (identification.method == Method::kBundle) {
-        const Diagnosing diagnosing = diagnoseIdentified(inputs, diagnosisStart(inputs, options->identify, &identification),
-                                                         identifiedModel(identification), options->identify, options->out);
-        text += diagnosing.text;
-        json["diagnose"] = diagnosing.json;
-      } else {
-        text += "no diagnosis: it starts from method bundle\n";
-      }
+    const ResultFiles all{.registration = true, .identification = true, .diagnosis = true};
+    const CalibrationRun run = runSource("run", {options->capture, {}}, options->out, options->calibrate, all, common);
+    const Calibration& calibration = run.calibration;
+    std::string text = registrationText(run);
+    std::vector<std::pair<std::string, std::string>> json{{"measure", registrationSummaryJson(run)}};
+    if (calibration.identification) {
+      text += identificationText(run) + diagnosisSummary(run);
+      json.emplace_back("identify", identificationJson(*calibration.identification, run.measurements.samples));
+      json.emplace_back("diagnose", diagnosisJson(calibration, run.measurements));
     }
     text += "results in " + options->out.string() + "; the report is not built yet\n";
-    printSummary(common, text, json);
+    printReport(common, text, jsonObject(json));
     return 0;
   };
 }

@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "poecal/simulation/simulate.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {
@@ -45,7 +46,8 @@ nlohmann::json summaryJson(const Arguments& arguments, const SimulateSummary& su
 
 int run(const Arguments& arguments, const Common& common) {
   const Scene scene = readScene(arguments.scene);
-  const SimulateSummary summary = simulate(scene, arguments.out, {.jobs = common.jobs});
+  TerminalListener listener(common);
+  const SimulateSummary summary = simulate(scene, arguments.out, {.jobs = common.jobs, .progress = listener.progressFunction()});
   printSummary(common, summaryText(arguments, summary), summaryJson(arguments, summary));
   return 0;
 }

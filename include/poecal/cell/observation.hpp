@@ -50,9 +50,13 @@ struct Observation {
 /// e = (log(R_measured R_model^T); p_measured - p_model) [rad; m], the residual of a pose.
 Vector6d poseDifference(const Eigen::Isometry3d& T_measured, const Eigen::Isometry3d& T_model);
 
+/// One picture's corners of the target as an observation; its sample's index is 0. Corners that the target does not have are left out.
+Observation cornerObservation(const Sample& sample, const std::vector<Corner>& corners, const Target& target);
 /// Joins samples and corners by image; samples without corners give no observation.
 std::vector<Observation> cornerObservations(const SampleTable& table, const Detections& detections, const Target& target);
 
+/// A measured pose as an observation; its sample's index is 0. @param sigma_position, sigma_rotation  where it states none [m], [rad].
+Observation poseObservation(const MeasuredPose& measured, double sigma_position, double sigma_rotation);
 /// Poses of an instrument as observations. @param sigma_position, sigma_rotation  where the table states none [m], [rad].
 std::vector<Observation> poseObservations(const PoseTable& table, double sigma_position, double sigma_rotation);
 

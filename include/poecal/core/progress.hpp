@@ -1,30 +1,51 @@
-// Progress of long work on stderr, only where that is a terminal and nobody asked for quiet.
+// What a long job says while it runs. The library prints nothing itself: whoever calls it decides what becomes of this.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
+#include <functional>
 #include <mutex>
 #include <string>
+#include <vector>
 
 namespace poecal {
 
-/// One line `label done/total`, rewritten in place and cleared at the end. advance() may be called from any thread.
+/// Told how far a job is: its name, and how many of its pieces are done. A job ends with done == total, or with total == 0 where it failed.
+/// Calls may come from any thread, but never two at a time.
+using ProgressFunction = std::function<void(const std::string& label, std::size_t done, std::size_t total)>;
+
+/// Hears what a long job has to say. The functions of this class do nothing; override what is of interest.
+class Listener {
+ public:
+  Listener() = default;
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  virtual ~Listener() = default;
+  /// One sentence about something that the user should look at.
+  virtual void warning(const std::string& message);
+  /// Many of one kind; each by itself goes to warning().
+  virtual void warnings(const std::vector<std::string>& messages);
+  /// As ProgressFunction.
+  virtual void progress(const std::string& label, std::size_t done, std::size_t total);
+  /// This listener's progress() as a function. The listener must outlive it.
+  ProgressFunction progressFunction();
+};
+
+/// The pieces of one job, counted.
 class Progress {
  public:
-  Progress(std::string label, std::size_t total);
+  /// @param function  may be empty.
+  Progress(ProgressFunction function, std::string label, std::size_t total);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
+  /// One more piece is done. May be called from any thread.
   void advance();
-  /// Switches all progress off (--quiet).
-  static void setQuiet(bool quiet);
 
  private:
+  ProgressFunction function_;
   std::string label_;
-  std::size_t total_;
-  std::atomic<std::size_t> done_{0};
+  std::size_t total_ = 0, done_ = 0;
   std::mutex mutex_;
-  bool shown_ = false;
 };
 
 }  // namespace poecal

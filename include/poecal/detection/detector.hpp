@@ -8,6 +8,7 @@
 
 #include "poecal/camera/camera.hpp"
 #include "poecal/capture/detections.hpp"
+#include "poecal/core/progress.hpp"
 #include "poecal/target/target.hpp"
 
 namespace poecal {
@@ -21,8 +22,9 @@ struct DetectOptions {
   std::optional<Camera> camera;  ///< whose lens bends the edges that are fitted; nothing: edges are straight
   int expected_width = 0;        ///< 0: the size of the first picture that can be read
   int expected_height = 0;
-  std::vector<int> other_tags;  ///< ids that are in view for another purpose (a reference) and need no note
-  void validate() const;        ///< @throws InvalidArgument with the field's name and value.
+  std::vector<int> other_tags;     ///< ids that are in view for another purpose (a reference) and need no note
+  ProgressFunction progress = {};  ///< told of each picture; may be empty
+  void validate() const;           ///< @throws InvalidArgument with the field's name and value.
 };
 
 /// What a picture had to say besides its corners.
@@ -30,7 +32,12 @@ struct PictureNote {
   std::string image;
   std::string message;  ///< one sentence: unreadable, another size, no tag, tag 12 is not the target's, tag 7 seen twice
   bool failed = false;  ///< no corners came from this picture
+
+  std::string text() const { return image + ": " + message; }
 };
+
+/// "image: message" of each note.
+std::vector<std::string> texts(const std::vector<PictureNote>& notes);
 
 struct DetectResult {
   Detections detections;           ///< one entry per picture, in the order given, with its look; empty corners where it failed

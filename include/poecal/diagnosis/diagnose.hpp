@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "poecal/capture/capture.hpp"
+#include "poecal/cell/measurements.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/identification/identify.hpp"
 
@@ -122,12 +122,9 @@ struct Diagnosis {
 };
 
 /// Diagnoses what an identification leaves.
-/// @param identification  its model is where the search starts; its start is what the tolerances are about.
-/// @param capture_target, samples, gravity  of the capture; for poses an empty target.
+/// @param identification  of these measurements; its model is where the search starts, its start is what the tolerances are about.
 /// @throws InsufficientData: fewer than 12 poses, or no arm.
-Diagnosis diagnose(const Identification& identification, const std::vector<Observation>& observations, const std::vector<Sample>& samples,
-                   const std::vector<std::string>& other_columns, const Target& target, const Eigen::Vector3d& gravity,
-                   const DiagnoseOptions& options);
+Diagnosis diagnose(const Identification& identification, const Measurements& measurements, const DiagnoseOptions& options = {});
 
 /// diagnosis.json.
 std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples);

@@ -1,10 +1,12 @@
 // Identification of the arm: gao, weighted and bundle behind one pair of options and result.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "poecal/cell/adjustment.hpp"
+#include "poecal/cell/measurements.hpp"
 #include "poecal/identification/errors.hpp"
 #include "poecal/identification/model.hpp"
 #include "poecal/registration/registration.hpp"
@@ -35,10 +37,7 @@ struct IdentifyOptions {
   int hold_out_every = 5;
   /// Each pose is held out alone instead. Done by itself where there are at most 25 poses.
   bool leave_one_out = false;
-  bool registered = false;  ///< poses are T_base_flange already: both transforms are identity
-  /// Whether corners or poses came with their deviations. Without them corners count alike, and the ratio of position to rotation of poses
-  /// is estimated.
-  bool sigmas_stated = false;
+  bool registered = false;          ///< poses are T_base_flange already: both transforms are identity
   int jobs = 1;                     ///< fits worked on at a time (0: one per core); the result does not depend on it
   bool allow_still_joints = false;  ///< a joint that never moved keeps its nominal axis instead of being an error
   void validate() const;
@@ -93,19 +92,17 @@ struct Identification {
   FreeParameters free;
   Cell start;                ///< what the priors are about
   Registration closed_form;  ///< of the nominal arm, before anything was fitted
+  /// The same with the camera held as stated, where it was re-fitted though no deviations are stated: what a diagnosis starts from.
+  std::shared_ptr<const Identification> with_stated_camera;
 };
 
-/// Identifies the arm of `cell` from observations (corners of a capture, or poses of an instrument).
+/// Identifies the arm of `cell` from measurements (corners of a capture, or poses of an instrument).
 ///
-/// @param cell  arm, setup, and camera where observations are corners. Its registration is ignored unless options.registered.
-/// @param groups  indices of observations that are held out together (repeat shots of one pose).
-/// @param registration  of these observations in this cell, where it was done already; otherwise it is done here.
+/// @param cell  nominal arm, and camera where observations are corners. Its registration is ignored; the setup is that of the measurements.
+/// @param registration  of these measurements in this cell, where it was done already; otherwise it is done here.
 /// @throws InsufficientData: too few poses for the unknowns, a joint that never moved, no registration.
-Identification identify(const Cell& cell, const std::vector<Observation>& observations, const std::vector<std::vector<std::size_t>>& groups,
-                        const IdentifyOptions& options, const RegistrationResult* registration = nullptr);
-
-/// Groups of observations by the `pose` column of their samples.
-std::vector<std::vector<std::size_t>> observationGroups(const std::vector<Observation>& observations, const std::vector<Sample>& samples);
+Identification identify(const Cell& cell, const Measurements& measurements, const IdentifyOptions& options = {},
+                        const RegistrationResult* registration = nullptr);
 
 /// identification.json.
 std::string identificationJson(const Identification& identification, const std::vector<Sample>& samples);

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <vector>
 
+#include "poecal/core/progress.hpp"
 #include "poecal/simulation/scene.hpp"
 
 namespace poecal {
 
 struct SimulateOptions {
-  int jobs = 0;
+  int jobs = 0;                    ///< pictures drawn at a time; 0: one per core
+  ProgressFunction progress = {};  ///< told of each picture; may be empty
 };
 
 /// Joint readings of a scene: read from its file, or drawn uniformly within the limits (revolute joints without limits: +-pi; limits are

@@ -55,7 +55,7 @@ bool fails(const Call& call) {
 bool everyLibraryIsLinked() {
   const poecal::Target tag = poecal::apriltagTarget("tag36h11", {{.id = 0, .size = 0.1}});
   return fails<poecal::FileError>([] { poecal::readUrdf("missing.urdf", "base", "tip"); }) &&
-         fails<poecal::InsufficientData>([] { poecal::identify({.arm = turntable()}, {}, {}, {}); }) &&
+         fails<poecal::InsufficientData>([] { poecal::identify({.arm = turntable()}, {}); }) &&
          poecal::detect(".", {"missing.png"}, tag, {}).notes.at(0).failed;
 }
 

@@ -1,12 +1,11 @@
-#include "board_folder.hpp"
+#include "poecal/calibration/board_folder.hpp"
 
-#include "inputs.hpp"
 #include "poecal/core/csv.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/board_pictures.hpp"
 #include "poecal/detection/known_corners.hpp"
 
-namespace poecal::app {
+namespace poecal {
 namespace {
 
 std::string residualsCsv(const IntrinsicsResult& result) {
@@ -30,10 +29,11 @@ std::filesystem::path residualsFile(const std::filesystem::path& camera_file) {
   return camera_file.parent_path() / (camera_file.stem().string() + "-residuals.csv");
 }
 
-IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const IntrinsicsOptions& options, const Common& common,
-                                      const std::filesystem::path& camera_file) {
+IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const IntrinsicsOptions& options, int jobs,
+                                      const std::filesystem::path& camera_file, Listener& listener) {
   DetectOptions detect_options;
-  detect_options.jobs = common.jobs;
+  detect_options.jobs = jobs;
+  detect_options.progress = listener.progressFunction();
   KnownCorners known(camera_file.parent_path() / ".stages" / "board-corners");
   BoardPictures pictures = readBoardPictures(folder, detect_options, &known);
   IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
@@ -44,11 +44,11 @@ IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const
     result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
   }
   known.finish();
-  warnAll(describe(pictures.notes));
-  warnAll(result.warnings);
+  listener.warnings(texts(pictures.notes));
+  listener.warnings(result.warnings);
   writeTextFile(residualsFile(camera_file), residualsCsv(result));
   writeTextFile(camera_file, cameraYaml(result.chosen().camera));
   return result;
 }
 
-}  // namespace poecal::app
+}  // namespace poecal

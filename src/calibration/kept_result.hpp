@@ -7,12 +7,12 @@
 
 #include "poecal/core/content_key.hpp"
 
-namespace poecal::app {
+namespace poecal {
 
 /// One result file of OUT with the key of what it was made from, kept in OUT/.stages/NAME.
-class Stage {
+class KeptResult {
  public:
-  Stage(const std::filesystem::path& out, const std::string& name, std::vector<std::filesystem::path> results, const ContentKey& key);
+  KeptResult(const std::filesystem::path& out, const std::string& name, std::vector<std::filesystem::path> results, const ContentKey& key);
   bool upToDate() const;
   void markDone() const;
 
@@ -22,4 +22,4 @@ class Stage {
   std::string key_;
 };
 
-}  // namespace poecal::app
+}  // namespace poecal

@@ -1,0 +1,74 @@
+#include "sources.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "poecal/core/error.hpp"
+
+namespace poecal::app {
+
+CLI::Option* addCaptureOption(CLI::App& app, CaptureSource& source) {
+  CLI::Option* capture = app.add_option("CAPTURE", source.folder, "Capture folder");
+  app.add_option("--intrinsics", source.intrinsics, "Camera file (camera.yaml) instead of what the capture names")->needs(capture);
+  return capture;
+}
+
+CLI::Option* addMeasuredCaptureOption(CLI::App& app, CaptureSource& source) {
+  CLI::Option* capture = addCaptureOption(app, source);
+  app.add_option("--detections", source.detections, "Corners found earlier (detections.csv); no picture is read")->needs(capture);
+  return capture;
+}
+
+void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options) {
+  CLI::Option* capture = addMeasuredCaptureOption(app, source.capture);
+  CLI::Option* robot =
+      app.add_option("--robot", source.poses.robot, "robot.yaml or URDF, with --poses instead of a capture")->excludes(capture);
+  CLI::Option* poses =
+      app.add_option("--poses", source.poses.poses, "poses.csv: joints and T_instrument_tool")->needs(robot)->excludes(capture);
+  robot->needs(poses);
+  app.add_option("--base-link", source.poses.base_link, "Base link, where the robot is a URDF")->needs(robot);
+  app.add_option("--tip-link", source.poses.tip_link, "Tip link, where the robot is a URDF")->needs(robot);
+  app.add_flag("--registered", options.registered, "The poses are T_base_flange already")->needs(poses);
+}
+
+CalibrationRun runSource(const std::string& command, const ArmSource& source, const std::filesystem::path& out, CalibrateOptions options,
+                         const ResultFiles& files, const Common& common) {
+  options.jobs = common.jobs;
+  TerminalListener listener(common);
+  if (!source.capture.folder.empty()) return runCapture(source.capture, out, options, files, listener);
+  if (source.poses.poses.empty()) throw InvalidArgument(command + " needs a CAPTURE, or --robot and --poses");
+  return runPoses(source.poses, out, options, files, listener);
+}
+
+void addToleranceOptions(CLI::App& app, IdentifyOptions& options) {
+  app.add_option("--tolerance-position", options.tolerance_position, "Prior of an axis' place about the nominal, 1 sigma [m]; 0: none")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--tolerance-rotation", options.tolerance_rotation, "Prior of an axis' tilt, 1 sigma [rad]; 0: none")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+}
+
+void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
+  app.add_option_function<std::string>(
+         "--method", [&options](const std::string& name) { options.method = methodFromName(name); },
+         "gao (the paper's algorithm), weighted, or bundle (default)")
+      ->check(CLI::IsMember({"gao", "weighted", "bundle"}));
+  addToleranceOptions(app, options);
+  app.add_option("--hold-out", options.hold_out_every,
+                 "Every how-manieth pose judges a fit instead of entering it, in as many turns; 0: none")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--leave-one-out", options.leave_one_out, "Each pose judges alone (done by itself up to 25 poses)");
+  app.add_flag("!--no-robust", options.robust, "Plain least squares: no row loses weight");
+  app.add_flag("--allow-still-joints", options.allow_still_joints, "A joint that never moved keeps its nominal axis");
+  app.add_option_function<std::string>(
+         "--camera",
+         [&options](const std::string& name) {
+           options.camera = name == "stated" ? CameraChoice::kStated : name == "free" ? CameraChoice::kFree : CameraChoice::kAuto;
+         },
+         "stated (held), free (re-fitted), or auto (default): as a nuisance within its stated deviations, or re-fitted where held-out "
+         "poses ask for it")
+      ->check(CLI::IsMember({"auto", "stated", "free"}));
+}
+
+}  // namespace poecal::app

@@ -1,0 +1,101 @@
+#include "summaries.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace poecal::app {
+namespace {
+
+std::string errorText(const ErrorSummary& errors) {
+  if (errors.poses == 0) return "-";
+  std::string text;
+  if (errors.corners > 0) text = fmt::format("{:9.3f} px   ", errors.px.rms);
+  text += fmt::format("{:8.3f} mm", 1e3 * errors.position.mean);
+  const bool positions_alone = errors.corners == 0 && errors.rotation.max == 0.0;
+  return positions_alone ? text : text + fmt::format(" {:8.3f} mrad", 1e3 * errors.rotation.mean);
+}
+
+/// nominal -> registered -> identified, on calibration and on held-out poses.
+std::string ladder(const Identification& identification) {
+  const bool pixels = identification.stages.front().calibration.corners > 0;
+  std::string text = fmt::format("  {:<12}{:<42}{}\n", "", "calibration",
+                                 identification.leave_one_out ? "each pose held out alone" : "poses that the fit did not see");
+  text += fmt::format("  {:<12}{}\n", "", pixels ? "px rms, mean mm and mrad at the flange" : "mean mm and mrad");
+  for (const Stage& stage : identification.stages) {
+    text += fmt::format("  {:<12}{:<42}{}\n", stage.name, errorText(stage.calibration), errorText(stage.held_out));
+  }
+  return text;
+}
+
+std::string suspectText(const Identification& identification, const std::vector<Sample>& samples) {
+  constexpr std::size_t kShown = 20;
+  std::string text;
+  for (std::size_t k = 0; k < identification.suspects.size() && k < kShown; ++k) {
+    const SuspectRow& row = identification.suspects[k];
+    const Sample& sample = samples[row.sample];
+    text += fmt::format("  {}: line {}{}, {:.1f} sigma\n", row.left_out ? "left out" : "outlier", sample.line,
+                        sample.image.empty() ? "" : " (" + sample.image + ")", row.sigmas);
+  }
+  if (identification.suspects.size() > kShown) {
+    text += fmt::format("  and {} more, see identification.json\n", identification.suspects.size() - kShown);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string registrationText(const CalibrationRun& run) {
+  const RegistrationResult& result = *run.calibration.registration;
+  const Registration& registration = result.cell.registration;
+  const Eigen::Vector3d camera = registration.T_camera_near.inverse().translation();
+  std::string text =
+      fmt::format("registered {} pictures: {:.3f} px rms ({:.3f} px with every picture, {:.3f} px with a free pose for each)\n",
+                  result.samples.size(), result.rms_px, result.rms_all_px, result.free_rms_px);
+  text += fmt::format("  camera in {}: {:.4f} {:.4f} {:.4f} m\n", registration.nearFrame(), camera.x(), camera.y(), camera.z());
+  for (const RegisteredSample& sample : result.samples) {
+    if (!sample.left_out) continue;
+    const Sample& row = run.measurements.samples[sample.sample];
+    text += fmt::format("  left out: {} (line {}), {:.2f} px\n", row.image, row.line, sample.rms_px);
+  }
+  if (!result.cell.arm) text += "  no joint readings: only registration is possible, the arm cannot be identified\n";
+  return text;
+}
+
+std::string registrationSummaryJson(const CalibrationRun& run) {
+  const RegistrationResult& result = *run.calibration.registration;
+  nlohmann::ordered_json left_out = nlohmann::json::array();
+  for (const RegisteredSample& sample : result.samples) {
+    const Sample& row = run.measurements.samples[sample.sample];
+    if (sample.left_out) left_out.push_back({{"image", row.image}, {"line", row.line}, {"rms_px", sample.rms_px}});
+  }
+  const nlohmann::ordered_json json{
+      {"pictures", result.samples.size()}, {"rms_px", result.rms_px}, {"rms_all_px", result.rms_all_px},
+      {"free_rms_px", result.free_rms_px}, {"left_out", left_out},    {"joints", result.cell.arm.has_value()}};
+  return json.dump(2);
+}
+
+std::string identificationText(const CalibrationRun& run) {
+  const Identification& identification = *run.calibration.identification;
+  std::string text = fmt::format("identified {} by {} from {} poses\n", identification.model.cell.arm->name,
+                                 methodName(identification.method), identification.poses);
+  if (!identification.stages.empty()) text += ladder(identification);
+  if (identification.model.cell.camera && identification.method == Method::kBundle) {
+    text += identification.sigmas_stated
+                ? fmt::format("  noise {:.3f} of what the corners state, chi-square per degree of freedom {:.3f}\n", identification.scale,
+                              identification.reduced_chi_square)
+                : fmt::format("  noise {:.3f} px per axis\n", identification.scale);
+  }
+  return text + suspectText(identification, run.measurements.samples);
+}
+
+std::string diagnosisSummary(const CalibrationRun& run) {
+  const Calibration& calibration = run.calibration;
+  if (!calibration.diagnosis) return fmt::format("no diagnosis: {}\n", calibration.no_diagnosis);
+  std::string text = diagnosisText(*calibration.diagnosis, run.measurements.samples);
+  if (calibration.model_source == ModelSource::kIdentified) {
+    text += fmt::format("  model.yaml is the identified one, without effects: {}\n", calibration.model_reason);
+  }
+  return text;
+}
+
+}  // namespace poecal::app

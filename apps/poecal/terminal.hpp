@@ -1,0 +1,39 @@
+// What the program says: summaries on stdout, warnings and progress on stderr.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "command.hpp"
+#include "poecal/core/progress.hpp"
+
+namespace poecal::app {
+
+/// The summary of a command: `text` on stdout, or `json` with --json, or nothing with --quiet.
+void printSummary(const Common& common, const std::string& text, const nlohmann::json& json);
+/// The same where the JSON is written already.
+void printReport(const Common& common, const std::string& text, const std::string& json);
+/// A JSON object of parts that are JSON already, in their order.
+std::string jsonObject(const std::vector<std::pair<std::string, std::string>>& parts);
+
+/// `poecal: warning: MESSAGE` on stderr.
+void warn(const std::string& message);
+
+/// Warnings as warn() says them, of many of one kind the first few; progress as one line that is rewritten, where stderr is a terminal and
+/// nobody asked for quiet.
+class TerminalListener : public Listener {
+ public:
+  explicit TerminalListener(const Common& common);
+  void warning(const std::string& message) override;
+  void warnings(const std::vector<std::string>& messages) override;
+  void progress(const std::string& label, std::size_t done, std::size_t total) override;
+
+ private:
+  bool progress_shown_ = false;
+};
+
+}  // namespace poecal::app

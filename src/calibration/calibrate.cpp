@@ -1,0 +1,88 @@
+#include "poecal/calibration/calibrate.hpp"
+
+#include <fmt/format.h>
+
+#include "poecal/core/error.hpp"
+
+namespace poecal {
+namespace {
+
+/// The identification that a diagnosis starts from: where the lens was re-fitted though its file states no deviations, the fit with the
+/// lens as stated. That the lens is wrong is then for the diagnosis to find.
+const Identification& diagnosisStart(const Identification& identification) {
+  return identification.with_stated_camera ? *identification.with_stated_camera : identification;
+}
+
+/// The rms on held-out poses of the last model stage [px]; nothing where no pose was held out, or an instrument measured poses.
+std::optional<double> heldOutPixels(const Identification& identification) {
+  const ErrorSummary& held_out = identification.stages.back().held_out;
+  return held_out.corners > 0 ? std::optional(held_out.px.rms) : std::nullopt;
+}
+
+/// Keeps the diagnosed model, unless the identified one predicts held-out poses clearly better: where it re-fitted a lens that no single
+/// effect mends, or where no model file can hold what is left.
+void keepModel(const Identification& identification, Calibration& calibration) {
+  constexpr double kClearly = 0.95;
+  const Diagnosis& diagnosis = *calibration.diagnosis;
+  const std::optional<double> identified = heldOutPixels(identification);
+  if (identified && *identified > 0.0 && *identified < kClearly * diagnosis.stages.back().rms) {
+    calibration.model_reason = fmt::format("it predicts poses that it did not see to {:.3f} px", *identified);
+    return;
+  }
+  calibration.model = diagnosis.model;
+  calibration.model_source = ModelSource::kDiagnosed;
+  calibration.model_reason = diagnosis.findings.empty() ? "nothing was found that it leaves out" : "it holds the effects that were found";
+}
+
+void addDiagnosis(const Measurements& measurements, const CalibrateOptions& options, Calibration& calibration) {
+  const Identification& identification = *calibration.identification;
+  if (identification.method != Method::kBundle) {
+    calibration.no_diagnosis = "it starts from method bundle";
+    calibration.model_reason = calibration.no_diagnosis;
+    return;
+  }
+  DiagnoseOptions diagnose_options = options.diagnose;
+  diagnose_options.jobs = options.jobs;
+  try {
+    calibration.diagnosis = diagnose(diagnosisStart(identification), measurements, diagnose_options);
+  } catch (const InsufficientData& missing) {
+    calibration.no_diagnosis = missing.what();
+    calibration.model_reason = "there is no diagnosis";
+    return;
+  }
+  keepModel(identification, calibration);
+}
+
+}  // namespace
+
+void CalibrateOptions::validate() const {
+  identify.validate();
+  if (jobs < 0) throw InvalidArgument(fmt::format("jobs is {}, expected 0 (one per core) or more", jobs));
+}
+
+const char* modelSourceName(ModelSource source) { return source == ModelSource::kIdentified ? "identified" : "diagnosed"; }
+
+Calibration calibrate(const Cell& nominal, const Measurements& measurements, const CalibrateOptions& options) {
+  options.validate();
+  if (measurements.observations.empty()) throw InsufficientData("nothing was measured: no pose to calibrate from");
+  Cell cell = nominal;
+  cell.registration = Registration{};
+  cell.registration.setup = measurements.setup;
+  Calibration calibration;
+  if (!measurements.observations.front().pose) {
+    calibration.registration = registerCell(cell, measurements.observations, {.robust = options.identify.robust});
+    calibration.warnings = calibration.registration->warnings;
+  }
+  if (!cell.arm || options.last == CalibrationStep::kRegistration) return calibration;
+  IdentifyOptions identify_options = options.identify;
+  identify_options.jobs = options.jobs;
+  calibration.identification =
+      identify(cell, measurements, identify_options, calibration.registration ? &*calibration.registration : nullptr);
+  calibration.warnings = calibration.identification->warnings;  // the registration's among them
+  calibration.model = calibration.identification->model;
+  if (!measurements.target.points.empty()) calibration.model->target = measurements.target;
+  if (options.last == CalibrationStep::kDiagnosis) addDiagnosis(measurements, options, calibration);
+  return calibration;
+}
+
+}  // namespace poecal

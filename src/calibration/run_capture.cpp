@@ -1,0 +1,65 @@
+#include "poecal/calibration/run_capture.hpp"
+
+#include <fmt/format.h>
+
+#include "calibration/identified_folder.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/robot/robot_file.hpp"
+
+namespace poecal {
+namespace {
+
+/// calibrate(), whose suspicions are then about a file.
+Calibration calibrateFile(const std::filesystem::path& file, const Cell& nominal, const Measurements& measurements,
+                          const CalibrateOptions& options) {
+  try {
+    return calibrate(nominal, measurements, options);
+  } catch (const ImplausibleInput& suspicion) {
+    throw FileError(file, 1, suspicion.what());
+  }
+}
+
+/// Where the arm came from, so that `export` need not be told.
+void nameUrdf(const std::filesystem::path& robot, const std::string& base_link, const std::string& tip_link, Calibration& calibration) {
+  if (base_link.empty() || !calibration.model) return;
+  calibration.model->urdf = robot.filename().string();
+  calibration.model->base_link = base_link;
+  calibration.model->tip_link = tip_link;
+}
+
+void requireJoints(const Capture& capture, const ResultFiles& files) {
+  if (capture.table.has_joints || files.registration || !(files.identification || files.diagnosis)) return;
+  throw InsufficientData(fmt::format("{} has no joint readings (columns q1, q2, ...): only registration is possible (poecal measure)",
+                                     capture.table.file.string()));
+}
+
+}  // namespace
+
+CalibrationRun runCapture(const CaptureSource& source, const std::filesystem::path& out, const CalibrateOptions& options,
+                          const ResultFiles& files, Listener& listener) {
+  LoadedCapture loaded = loadCapture(source, out, options.jobs, listener);
+  const Capture& capture = loaded.capture;
+  requireJoints(capture, files);
+  CalibrationRun run;
+  run.calibration = calibrateFile(capture.table.file, loaded.nominal, loaded.measurements, options);
+  run.measurements = std::move(loaded.measurements);
+  if (!source.identified.empty()) requireIdentified(source.identified, run.calibration, run.measurements);
+  nameUrdf(capture.robot_file, capture.base_link, capture.tip_link, run.calibration);
+  listener.warnings(run.calibration.warnings);
+  writeResults(run.calibration, run.measurements, files, out);
+  return run;
+}
+
+CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& out, const CalibrateOptions& options,
+                        const ResultFiles& files, Listener& listener) {
+  Cell nominal;
+  nominal.arm = readArm(source.robot, source.base_link, source.tip_link);
+  CalibrationRun run;
+  run.measurements = measurementsOf(readPoses(source.poses, *nominal.arm));
+  run.calibration = calibrateFile(source.poses, nominal, run.measurements, options);
+  listener.warnings(run.calibration.warnings);
+  writeResults(run.calibration, run.measurements, files, out);
+  return run;
+}
+
+}  // namespace poecal
