@@ -16,13 +16,19 @@ std::string errorText(const ErrorSummary& errors) {
 }
 
 /// nominal -> registered -> identified, on calibration and on held-out poses.
-std::string ladder(const Identification& identification) {
+std::string stagesText(const Identification& identification) {
   const bool pixels = identification.stages.front().calibration.corners > 0;
-  std::string text = fmt::format("  {:<12}{:<42}{}\n", "", "calibration",
-                                 identification.leave_one_out ? "each pose held out alone" : "poses that the fit did not see");
-  text += fmt::format("  {:<12}{}\n", "", pixels ? "px rms, mean mm and mrad at the flange" : "mean mm and mrad");
-  for (const Stage& stage : identification.stages) {
+  const char* const held_out = identification.leave_one_out ? "each pose held out alone" : "held-out poses";
+  std::string text = fmt::format("  {:<12}{:<42}{}\n", "", "calibration", held_out);
+  text += fmt::format("  {:<12}{}\n", "", pixels ? "px rms, mean mm and mrad of the flange" : "mean mm and mrad");
+  for (const ModelStage& stage : identification.stages) {
     text += fmt::format("  {:<12}{:<42}{}\n", stage.name, errorText(stage.calibration), errorText(stage.held_out));
+  }
+  const ModelStage& last = identification.stages.back();
+  const int set_aside = last.held_out.poses - last.held_out_kept.poses;
+  if (set_aside > 0) {
+    text += fmt::format("  {:<54}{}\n", fmt::format("identified, without the {} {} set aside", set_aside, set_aside == 1 ? "row" : "rows"),
+                        errorText(last.held_out_kept));
   }
   return text;
 }
@@ -78,12 +84,17 @@ std::string identificationText(const CalibrationRun& run) {
   const Identification& identification = *run.calibration.identification;
   std::string text = fmt::format("identified {} by {} from {} poses\n", identification.model.cell.arm->name,
                                  methodName(identification.method), identification.poses);
-  if (!identification.stages.empty()) text += ladder(identification);
+  if (!identification.stages.empty()) text += stagesText(identification);
   if (identification.model.cell.camera && identification.method == Method::kBundle) {
     text += identification.sigmas_stated
                 ? fmt::format("  noise {:.3f} of what the corners state, chi-square per degree of freedom {:.3f}\n", identification.scale,
                               identification.reduced_chi_square)
                 : fmt::format("  noise {:.3f} px per axis\n", identification.scale);
+  }
+  constexpr double kWorthSaying = 2.0;
+  if (identification.arm_beyond_tolerance > kWorthSaying) {
+    text += fmt::format("  the arm is {:.1f} times farther from its robot file than the tolerances say; the fit allowed for that\n",
+                        identification.arm_beyond_tolerance);
   }
   return text + suspectText(identification, run.measurements.samples);
 }

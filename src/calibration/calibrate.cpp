@@ -15,7 +15,7 @@ const Identification& diagnosisStart(const Identification& identification) {
 
 /// The rms on held-out poses of the last model stage [px]; nothing where no pose was held out, or an instrument measured poses.
 std::optional<double> heldOutPixels(const Identification& identification) {
-  const ErrorSummary& held_out = identification.stages.back().held_out;
+  const ErrorSummary& held_out = identification.stages.back().held_out_kept;
   return held_out.corners > 0 ? std::optional(held_out.px.rms) : std::nullopt;
 }
 

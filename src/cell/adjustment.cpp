@@ -54,14 +54,15 @@ class Adjuster {
         layout_(nominal, options.free),
         start_(nominal),
         state_(nominal, options.free),
-        sigma_prior_(priorSigma(nominal, layout_, options)) {
+        sigma_alone_(priorSigma(layout_, options)) {
+    setTolerance(options.tolerance > 0.0 ? options.tolerance : 1.0);
     weights_.reserve(observations.size());
     int numbers = 0;
     for (const Observation& observation : observations) {
       weights_.emplace_back(static_cast<std::size_t>(observation.unitCount()), 1.0);
       numbers += observation.unitCount() * observation.unitSize();
     }
-    const auto unbounded = (sigma_prior_.array() == kInfinity).count();
+    const auto unbounded = (sigma_alone_.array() == kInfinity).count() - (options.twists.empty() ? 0 : layout_.twists);
     if (numbers < unbounded) {
       throw InsufficientData(fmt::format("{} numbers were measured for {} unknowns: more poses are needed", numbers, unbounded));
     }
@@ -78,14 +79,16 @@ class Adjuster {
     Adjustment result;
     double damping = 1e-8;
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
-      const double previous_scale = scale_;
+      const double previous_scale = scale_, previous_tolerance = tolerance_;
       updateScaleAndWeights(squares, iteration);
       const NormalEquations normal = accumulate(state_);
       const double cost = costOf(squares, state_);
       result.steps.push_back({cost, rmsOf(squares), scale_});
       const std::optional<double> predicted = step(normal, cost, damping, squares);
       effective_parameters_ = effectiveParameters(normal);
-      const bool settled = std::abs(scale_ - previous_scale) <= 1e-6 * scale_ || options_.scale > 0.0;
+      if (options_.tolerance <= 0.0) updateTolerance(normal);
+      const bool settled = (std::abs(scale_ - previous_scale) <= 1e-6 * scale_ || options_.scale > 0.0) &&
+                           std::abs(tolerance_ - previous_tolerance) <= 1e-4 * tolerance_;
       // A step of 1e-6 standard deviations, or none that lowers the cost: rounding is reached.
       if ((!predicted || *predicted < 1e-12) && settled && iteration > 1) {
         result.status = AdjustmentStatus::kConverged;
@@ -173,7 +176,8 @@ class Adjuster {
   }
 
   double costOf(const std::vector<std::vector<double>>& squares, const CellState& state) const {
-    return chiSquare(squares) / (scale_ * scale_) + priorDeviation(state, layout_, start_).cwiseQuotient(sigma_prior_).squaredNorm();
+    const Eigen::VectorXd deviation = priorDeviation(state, layout_, start_);
+    return chiSquare(squares) / (scale_ * scale_) + deviation.dot(prior_information_ * deviation);
   }
 
   NormalEquations accumulate(const CellState& state) const {
@@ -209,7 +213,24 @@ class Adjuster {
     return normal;
   }
 
-  Eigen::VectorXd priorInformation() const { return sigma_prior_.array().square().inverse().matrix(); }
+  /// The twists' prior widened by `tolerance`, beside the independent ones.
+  void setTolerance(double tolerance) {
+    tolerance_ = tolerance;
+    prior_information_ = sigma_alone_.array().square().inverse().matrix().asDiagonal();
+    if (!options_.twists.empty() && layout_.twists > 0) {
+      prior_information_.topLeftCorner(layout_.twists, layout_.twists) = options_.twists.precision / (tolerance * tolerance);
+    }
+  }
+
+  void updateTolerance(const NormalEquations& normal) {
+    if (options_.twists.empty() || layout_.twists == 0) return;
+    const Eigen::MatrixXd H = normal.H + prior_information_;
+    const Eigen::VectorXd d = columnScale(H);
+    const Eigen::MatrixXd scaled = d.asDiagonal() * H * d.asDiagonal();
+    const Eigen::MatrixXd inverse =
+        d.asDiagonal() * scaled.ldlt().solve(Eigen::MatrixXd::Identity(layout_.total, layout_.total)) * d.asDiagonal();
+    setTolerance(updatedTolerance(options_.twists, state_.beta, inverse.topLeftCorner(layout_.twists, layout_.twists), tolerance_));
+  }
 
   /// Columns to unit length, so that one damping and one cutoff serve radians, metres and pixels.
   static Eigen::VectorXd columnScale(const Eigen::MatrixXd& H) {
@@ -219,9 +240,8 @@ class Adjuster {
   /// Takes one damped step; returns the decrease it predicted, or nothing where no damping lowers the cost.
   std::optional<double> step(const NormalEquations& normal, double cost, double& damping, std::vector<std::vector<double>>& squares) {
     if (layout_.total == 0) return std::nullopt;
-    Eigen::MatrixXd H = normal.H;
-    H.diagonal() += priorInformation();
-    const Eigen::VectorXd g = normal.g - priorInformation().cwiseProduct(priorDeviation(state_, layout_, start_));
+    const Eigen::MatrixXd H = normal.H + prior_information_;
+    const Eigen::VectorXd g = normal.g - prior_information_ * priorDeviation(state_, layout_, start_);
     const Eigen::VectorXd d = columnScale(H);
     const Eigen::MatrixXd scaled = d.asDiagonal() * H * d.asDiagonal();
     for (int attempt = 0; attempt < 30; ++attempt, damping = std::max(10.0 * damping, 1e-9)) {
@@ -246,8 +266,7 @@ class Adjuster {
   /// Number of parameters that the data determine: trace(H_data (H_data + H_prior)^-1).
   double effectiveParameters(const NormalEquations& normal) const {
     if (layout_.total == 0) return 0.0;
-    Eigen::MatrixXd H = normal.H;
-    H.diagonal() += priorInformation();
+    const Eigen::MatrixXd H = normal.H + prior_information_;
     const Eigen::VectorXd d = columnScale(H);
     Eigen::MatrixXd scaled = d.asDiagonal() * H * d.asDiagonal();
     // Where nothing determines a direction both matrices are rounding, 1e-16; this keeps their quotient from counting.
@@ -261,15 +280,15 @@ class Adjuster {
     result.cell = state_.cell;
     result.beta = state_.beta;
     result.names = parameterNames(state_.cell, options_.free);
-    result.sigma_prior = sigma_prior_;
+    result.sigma_prior = priorSquareRoot().rowwise().norm();
     result.scale = scale_;
+    result.tolerance = tolerance_;
     result.weights = weights_;
     result.chi_square = chiSquare(squares);
     result.degrees_of_freedom = usedNumbers() - effectiveParameters(normal);
     result.steps.push_back({costOf(squares, state_), rmsOf(squares), scale_});
     if (layout_.total == 0) return;
-    Eigen::MatrixXd H = normal.H;
-    H.diagonal() += priorInformation();
+    const Eigen::MatrixXd H = normal.H + prior_information_;
     const Eigen::VectorXd d = columnScale(H);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(d.asDiagonal() * H * d.asDiagonal());
     // The square of the relative precision that sums of squares keep.
@@ -288,12 +307,25 @@ class Adjuster {
     nameUnseen(normal, result);
   }
 
+  /// A root S of the prior's covariance S S^T; infinite on the diagonal where there is no prior.
+  Eigen::MatrixXd priorSquareRoot() const {
+    Eigen::MatrixXd root = sigma_alone_.asDiagonal();
+    if (!options_.twists.empty() && layout_.twists > 0) {
+      const Eigen::MatrixXd upper = options_.twists.precision.llt().matrixU();
+      root.topLeftCorner(layout_.twists, layout_.twists) =
+          tolerance_ * upper.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(layout_.twists, layout_.twists));
+    }
+    return root;
+  }
+
   /// Directions in which the data say less than the prior, or, where there is none, than one rad, metre or pixel.
   void nameUnseen(const NormalEquations& normal, Adjustment& result) const {
-    const Eigen::VectorXd unit = sigma_prior_.unaryExpr([](double s) { return std::isfinite(s) ? s : 1.0; });
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * normal.H * unit.asDiagonal());
+    Eigen::MatrixXd unit = priorSquareRoot();
+    unit = unit.unaryExpr([](double s) { return std::isfinite(s) ? s : 1.0; });
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.transpose() * normal.H * unit);
+    const Eigen::VectorXd typical = unit.rowwise().norm();
     for (int k = 0; k < layout_.total && eigen.eigenvalues()(k) < 1.0; ++k) {
-      const Eigen::VectorXd direction = eigen.eigenvectors().col(k).cwiseAbs();
+      const Eigen::VectorXd direction = (unit * eigen.eigenvectors().col(k)).cwiseAbs().cwiseQuotient(typical);
       std::vector<std::string> carriers;
       for (int i = 0; i < layout_.total; ++i) {
         if (direction(i) > 0.5 * direction.maxCoeff()) carriers.push_back(result.names[static_cast<std::size_t>(i)]);
@@ -309,7 +341,9 @@ class Adjuster {
   ParameterLayout layout_;
   Cell start_;
   CellState state_;
-  Eigen::VectorXd sigma_prior_;
+  Eigen::VectorXd sigma_alone_;  ///< 1 sigma of the independent priors; infinity where there is none
+  Eigen::MatrixXd prior_information_;
+  double tolerance_ = 1.0;
   std::vector<Eigen::Isometry3d> held_flanges_;  ///< of each observation, where the arm is held; otherwise empty
   Weights weights_;
   UnitWeight unit_weight_{2};

@@ -63,16 +63,8 @@ CellState CellState::moved(const ParameterLayout& layout, const Eigen::VectorXd&
   return next;
 }
 
-Eigen::VectorXd priorSigma(const Cell& start, const ParameterLayout& layout, const AdjustmentOptions& options) {
+Eigen::VectorXd priorSigma(const ParameterLayout& layout, const AdjustmentOptions& options) {
   Eigen::VectorXd sigma = Eigen::VectorXd::Constant(layout.total, std::numeric_limits<double>::infinity());
-  int column = 0;
-  for (std::size_t joint = 0; column < layout.twists; ++joint) {
-    const int count = twistParameterCount(start.arm->joints[joint]);
-    for (int k = 0; k < count; ++k, ++column) {
-      const double tolerance = k < 2 ? options.tolerance_rotation : options.tolerance_position;
-      if (tolerance > 0.0) sigma(column) = tolerance;
-    }
-  }
   if (layout.far >= 0 && options.far_position > 0.0) sigma.segment<3>(layout.far + 3).setConstant(options.far_position);
   if (layout.intrinsics >= 0) {
     for (int k = 0; k < options.camera_prior_sigma.size(); ++k) {

@@ -33,8 +33,8 @@ struct CellState {
   Eigen::VectorXd beta;          ///< empty where the twists are held
 };
 
-/// 1 sigma of the independent priors of the free parameters; infinity where there is none.
-Eigen::VectorXd priorSigma(const Cell& start, const ParameterLayout& layout, const AdjustmentOptions& options);
+/// 1 sigma of the independent priors of the free parameters, which the twists have none of; infinity where there is none.
+Eigen::VectorXd priorSigma(const ParameterLayout& layout, const AdjustmentOptions& options);
 /// x - x0 of the parameters that priors may be about (twists, place of the far transform, intrinsics) from where the cell started; 0 for
 /// the others.
 Eigen::VectorXd priorDeviation(const CellState& state, const ParameterLayout& layout, const Cell& start);

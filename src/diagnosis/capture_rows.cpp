@@ -2,56 +2,10 @@
 
 #include <algorithm>
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-
 #include "poecal/geometry/se3.hpp"
 
 namespace poecal {
 namespace {
-
-// Where a drive's zero is, only its maker's mark tells: far more than any bias that is left after homing [rad] or [m].
-constexpr double kZeroOffset = 0.02;
-
-/// beta of joint j for a small motion l of its whole surrounding, xi <- Ad(exp(l)) xi: what of l really moves the axis.
-Eigen::MatrixXd axisMotion(const Joint& joint) {
-  const Matrix6Xd moved = adjointOfTwist(joint.xi) * twistBasis(joint);
-  return moved.colPivHouseholderQr().solve(adjointOfTwist(joint.xi));
-}
-
-/// Covariance of the twist parameters of an arm whose parts are made to tolerance.
-Eigen::MatrixXd twistTolerance(const Arm& arm, double position, double rotation) {
-  const int count = twistParameterCount(arm);
-  // Half of the variance is of the axis itself, half of the links before it.
-  const double share = std::sqrt(0.5);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
-  int column = 0;
-  for (const Joint& joint : arm.joints) {
-    for (int k = 0; k < twistParameterCount(joint); ++k, ++column) {
-      const double sigma = share * (k < 2 ? rotation : position);
-      covariance(column, column) = sigma * sigma;
-    }
-  }
-  Vector6d link_variance;
-  link_variance << Eigen::Vector3d::Constant(0.5 * rotation * rotation), Eigen::Vector3d::Constant(0.5 * position * position);
-  for (std::size_t k = 0; k + 1 < arm.joints.size(); ++k) {
-    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(count, 6);
-    int row = 0;
-    for (std::size_t j = 0; j < arm.joints.size(); ++j) {
-      const int size = twistParameterCount(arm.joints[j]);
-      if (j > k) moves.middleRows(row, size) = axisMotion(arm.joints[j]);
-      row += size;
-    }
-    // The link's own frame stands in the anchor of the joint that moves it, where a tilt is only a tilt.
-    Vector6d shift = Vector6d::Zero();
-    shift.tail<3>() = arm.joints[k].anchor;
-    const Eigen::MatrixXd at_anchor = moves * adjoint(expSe3(shift));
-    covariance += at_anchor * link_variance.asDiagonal() * at_anchor.transpose();
-    const Eigen::VectorXd zero = moves * arm.joints[k].xi;
-    covariance += kZeroOffset * kZeroOffset * zero * zero.transpose();
-  }
-  return covariance;
-}
 
 std::vector<TargetPoint> pointsOf(const Observation& observation) {
   std::vector<TargetPoint> points;
@@ -113,12 +67,6 @@ PoseDerivative evaluateObservation(const MeasuredCell& measured, const ModelStat
 }
 
 }  // namespace
-
-TwistPrior::TwistPrior(const Arm& arm, double position, double rotation) {
-  const Eigen::LLT<Eigen::MatrixXd> llt(twistTolerance(arm, position, rotation));
-  precision = llt.solve(Eigen::MatrixXd::Identity(llt.rows(), llt.cols()));
-  log_determinant = -2.0 * llt.matrixLLT().diagonal().array().log().sum();
-}
 
 MeasuredCell part(const MeasuredCell& measured, const std::vector<std::size_t>& numbers) {
   MeasuredCell some = measured;

@@ -10,21 +10,11 @@
 #include "cell/linearisation.hpp"
 #include "poecal/cell/observation.hpp"
 #include "poecal/cell/ports.hpp"
+#include "poecal/cell/twist_prior.hpp"
 #include "poecal/effects/effect.hpp"
 #include "poecal/effects/sample_context.hpp"
 
 namespace poecal {
-
-/// What tolerances say of the twist parameters beta about the nominal arm: beta ~ N(0, inverse of `precision`). Each axis is off by itself
-/// (1 sigma tilt and shift), and each link is wrongly shaped, which moves all that comes after it together. Joint zeros may be anywhere,
-/// since no data can tell them.
-struct TwistPrior {
-  TwistPrior() = default;
-  /// @param position, rotation  1 sigma of an axis' place [m] and tilt [rad].
-  TwistPrior(const Arm& arm, double position, double rotation);
-  Eigen::MatrixXd precision;
-  double log_determinant = 0.0;  ///< of the precision
-};
 
 /// What was measured, and what is believed of the cell before looking at it.
 struct MeasuredCell {

@@ -42,7 +42,9 @@ MeasuredCell measuredCell(const Identification& identification, const Measuremen
   measured.target = measurements.target;
   measured.gravity = measurements.gravity;
   measured.jobs = options.jobs;
-  measured.twists = TwistPrior(*measured.start.arm, options.tolerance_position, options.tolerance_rotation);
+  // Without tolerances geometry may be anything: wide ones say so and keep the search well-posed.
+  constexpr double kAnywhere = 1.0;
+  measured.twists = identification.twist_prior.empty() ? TwistPrior(*measured.start.arm, kAnywhere, kAnywhere) : identification.twist_prior;
   return measured;
 }
 

@@ -231,17 +231,12 @@ Slope slopeOf(const CondensedRows& rows, const Posterior& posterior, const std::
   return slope;
 }
 
-/// MacKay's fixed point for the factor by which the arm exceeds its tolerances; see basePrior.
-double updatedTolerance(const MeasuredCell& measured, const ModelState& state, const Posterior& posterior) {
-  const Eigen::MatrixXd& precision = measured.twists.precision;
-  const Eigen::Index twists = precision.rows();
+/// The factor by which the arm exceeds its tolerances, from where it stands.
+double toleranceThere(const MeasuredCell& measured, const ModelState& state, const Posterior& posterior) {
+  const Eigen::Index twists = measured.twists.precision.rows();
   if (twists == 0) return 1.0;
-  const double tolerance = posterior.estimate.tolerance;
-  const Eigen::VectorXd beta = state.cell.beta + posterior.estimate.b.head(twists);
-  const Eigen::MatrixXd variance = posterior.inverse.solve(Eigen::MatrixXd::Identity(posterior.columns, twists)).topRows(twists);
-  const double spread = beta.dot(precision * beta);
-  const double known = static_cast<double>(twists) - precision.cwiseProduct(variance).sum() / (tolerance * tolerance);
-  return std::clamp(std::sqrt(spread / std::max(known, 1.0)), 1.0, 1e3);
+  const Eigen::MatrixXd covariance = posterior.inverse.solve(Eigen::MatrixXd::Identity(posterior.columns, twists)).topRows(twists);
+  return updatedTolerance(measured.twists, state.cell.beta + posterior.estimate.b.head(twists), covariance, posterior.estimate.tolerance);
 }
 
 /// An arm beyond its tolerances is believed less and less: a factor e costs two units of log-likelihood.
@@ -393,7 +388,7 @@ NoiseEstimate estimateNoise(const MeasuredCell& measured, const ModelState& stat
     if (!move.allFinite()) break;
     move = move.cwiseMax(-3.0).cwiseMin(3.0);
     theta = (best->estimate.theta.array() * move.array().exp()).matrix().cwiseMax(floor);
-    tolerance = updatedTolerance(measured, state, *best);
+    tolerance = toleranceThere(measured, state, *best);
   }
   NoiseEstimate estimate = std::move(best->estimate);
   estimate.covariance = best->covariance();

@@ -3,41 +3,149 @@
 #include <algorithm>
 #include <cmath>
 
-#include "poecal/cell/adjustment.hpp"
+#include <Eigen/Cholesky>
+
+#include "cell/linearisation.hpp"
 #include "poecal/core/statistics.hpp"
 
 namespace poecal {
+namespace {
+
+/// Variances of the components of all poses' errors.
+struct ErrorVariances {
+  double rotation = 1e-2, position = 1e-2;  ///< [rad^2], [m^2]; to begin with, far more than any arm is off
+
+  Matrix6d precision() const {
+    Vector6d diagonal;
+    diagonal << Eigen::Vector3d::Constant(1.0 / rotation), Eigen::Vector3d::Constant(1.0 / position);
+    return diagonal.asDiagonal();
+  }
+};
+
+/// What is known of one pose's error.
+struct ErrorEstimate {
+  Vector6d mean;
+  Eigen::Vector2d traces;  ///< of the covariance: rotation, position
+
+  ErrorEstimate(const FlangeEvidence& evidence, const Matrix6d& precision) {
+    const Matrix6d covariance = (evidence.information + precision).llt().solve(Matrix6d::Identity());
+    mean = covariance * evidence.pull;
+    traces << covariance.topLeftCorner<3, 3>().trace(), covariance.bottomRightCorner<3, 3>().trace();
+  }
+};
+
+/// The variances that so many poses could not have told from none: the median of what the likelihood leaves above 0, from its curvature
+/// there.
+ErrorVariances leastTold(const std::vector<FlangeEvidence>& evidence, const ErrorVariances& at) {
+  constexpr double kMedianOfHalfNormal = 0.6745;
+  double rotation = 0.0, position = 0.0;
+  for (const FlangeEvidence& each : evidence) {
+    const Eigen::Matrix3d rr = each.information.topLeftCorner<3, 3>(), pp = each.information.bottomRightCorner<3, 3>(),
+                          rp = each.information.topRightCorner<3, 3>();
+    const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+    rotation += 0.5 * (rr - rp * (pp + one / at.position).inverse() * rp.transpose()).squaredNorm();
+    position += 0.5 * (pp - rp.transpose() * (rr + one / at.rotation).inverse() * rp).squaredNorm();
+  }
+  return {kMedianOfHalfNormal / std::sqrt(rotation), kMedianOfHalfNormal / std::sqrt(position)};
+}
+
+ErrorVariances estimateVariances(const std::vector<FlangeEvidence>& evidence) {
+  constexpr std::size_t kEnough = 500;  // poses: two variances are then known to a twentieth
+  constexpr int kMaxSteps = 100;
+  constexpr double kSettled = 1e-3, kFewest = 1e-6, kSmallest = 1e-18;
+  const std::size_t step = std::max<std::size_t>(1, evidence.size() / kEnough);
+  ErrorVariances variances;
+  for (int k = 0; k < kMaxSteps; ++k) {
+    const Matrix6d precision = variances.precision();
+    Eigen::Vector2d squares(0.0, 0.0), known(0.0, 0.0);
+    for (std::size_t i = 0; i < evidence.size(); i += step) {
+      const ErrorEstimate estimate(evidence[i], precision);
+      squares += Eigen::Vector2d(estimate.mean.head<3>().squaredNorm(), estimate.mean.tail<3>().squaredNorm());
+      known += Eigen::Vector2d(3.0 - estimate.traces(0) / variances.rotation, 3.0 - estimate.traces(1) / variances.position);
+    }
+    const ErrorVariances next{std::max(squares(0) / std::max(known(0), kFewest), kSmallest),
+                              std::max(squares(1) / std::max(known(1), kFewest), kSmallest)};
+    const bool settled = std::abs(std::log(next.rotation / variances.rotation)) < kSettled &&
+                         std::abs(std::log(next.position / variances.position)) < kSettled;
+    variances = next;
+    if (settled) break;
+  }
+  const ErrorVariances least = leastTold(evidence, variances);
+  return {std::max(variances.rotation, least.rotation), std::max(variances.position, least.position)};
+}
+
+}  // namespace
 
 LengthSummary summarise(const std::vector<double>& lengths) {
   if (lengths.empty()) return {};
-  return {mean(lengths), median(lengths), rms(lengths), *std::max_element(lengths.begin(), lengths.end())};
+  return {mean(lengths), median(lengths), rms(lengths), quantile(lengths, 0.95), *std::max_element(lengths.begin(), lengths.end())};
 }
 
-void ErrorCollector::add(const Cell& cell, const Observation& observation, const Eigen::Isometry3d* T_camera_target) {
+FlangeEvidence flangeEvidence(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target, double noise) {
+  SampleRows rows;
+  evaluateRows(cell, observation, T_camera_target, false, rows);
+  const Registration& registration = cell.registration;
+  const Eigen::Isometry3d T_base_flange = registration.baseFlange(T_camera_target);
+  // A rotation about the flange and a shift of it, as a left perturbation in base, then in camera.
+  Matrix6d D = Matrix6d::Identity();
+  D.bottomLeftCorner<3, 3>() = hat(T_base_flange.translation());
+  const double sign = registration.setup == Setup::kEyeToHand ? 1.0 : -1.0;
+  const Eigen::Matrix<double, Eigen::Dynamic, 6> J = sign / noise * rows.H * (adjoint(registration.cameraBase(T_base_flange)) * D);
+  return {J.transpose() * J, J.transpose() * rows.r / noise};
+}
+
+std::vector<FlangeError> expectedFlangeErrors(const std::vector<FlangeEvidence>& evidence) {
+  const Matrix6d precision = estimateVariances(evidence).precision();
+  std::vector<FlangeError> errors;
+  errors.reserve(evidence.size());
+  for (const FlangeEvidence& each : evidence) {
+    const ErrorEstimate estimate(each, precision);
+    errors.push_back({.position = std::sqrt(estimate.mean.tail<3>().squaredNorm() + estimate.traces(1)),
+                      .rotation = std::sqrt(estimate.mean.head<3>().squaredNorm() + estimate.traces(0))});
+  }
+  return errors;
+}
+
+void ErrorCollector::add(const Cell& cell, std::size_t index, const Observation& observation) {
+  indices_.push_back(index);
   double square = 0.0;
+  std::vector<double> px;
   for (const UnitResidual& unit : residuals(cell, observation)) {
     square += unit.squared_norm;
     if (observation.pose) {
-      position_.push_back(unit.residual.tail<3>().norm());
-      if (!observation.pose->position_only) rotation_.push_back(unit.residual.head<3>().norm());
+      measured_.push_back({unit.residual.tail<3>().norm(), observation.pose->position_only ? 0.0 : unit.residual.head<3>().norm()});
+      rotations_ = rotations_ && !observation.pose->position_only;
     } else if (unit.residual.allFinite()) {
-      px_.push_back(unit.residual.norm());
+      px.push_back(unit.residual.norm());
     }
   }
   squares_.push_back(square);
-  if (T_camera_target == nullptr) return;
-  const Vector6d e = poseDifference(cell.registration.baseFlange(*T_camera_target), modelFlange(cell, observation));
-  rotation_.push_back(e.head<3>().norm());
-  position_.push_back(e.tail<3>().norm());
+  px_.push_back(std::move(px));
+  if (!observation.pose) evidence_.push_back(flangeEvidence(cell, observation, modelTarget(cell, observation), noise_));
 }
 
-ErrorSummary ErrorCollector::summary() const {
+ErrorSummary ErrorCollector::summary(const std::function<bool(std::size_t)>& counts) const {
+  std::vector<double> px;
+  std::vector<FlangeEvidence> evidence;
+  std::vector<FlangeError> errors;
   ErrorSummary summary;
-  summary.poses = static_cast<int>(squares_.size());
-  summary.corners = static_cast<int>(px_.size());
-  summary.px = summarise(px_);
-  summary.position = summarise(position_);
-  summary.rotation = summarise(rotation_);
+  for (std::size_t k = 0; k < indices_.size(); ++k) {
+    if (counts && !counts(indices_[k])) continue;
+    ++summary.poses;
+    px.insert(px.end(), px_[k].begin(), px_[k].end());
+    if (k < evidence_.size()) evidence.push_back(evidence_[k]);
+    if (k < measured_.size()) errors.push_back(measured_[k]);
+  }
+  if (!evidence.empty()) errors = expectedFlangeErrors(evidence);
+  std::vector<double> positions, rotations;
+  for (const FlangeError& error : errors) {
+    positions.push_back(error.position);
+    if (rotations_) rotations.push_back(error.rotation);
+  }
+  summary.corners = static_cast<int>(px.size());
+  summary.px = summarise(px);
+  summary.position = summarise(positions);
+  summary.rotation = summarise(rotations);
   return summary;
 }
 

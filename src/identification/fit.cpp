@@ -119,13 +119,20 @@ FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& 
   return flange;
 }
 
+ArmBelief armBelief(const Arm& nominal, const IdentifyOptions& options) {
+  if (options.tolerance_position <= 0.0 && options.tolerance_rotation <= 0.0) return {};
+  constexpr double kAnywhere = 1.0;  // [m], [rad]
+  return {TwistPrior(nominal, options.tolerance_position > 0.0 ? options.tolerance_position : kAnywhere,
+                     options.tolerance_rotation > 0.0 ? options.tolerance_rotation : kAnywhere)};
+}
+
 MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange,
-                    const std::vector<std::size_t>& subset, const IdentifyOptions& options, bool camera_free) {
+                    const std::vector<std::size_t>& subset, const IdentifyOptions& options, const ArmBelief& belief, bool camera_free) {
   if (options.method == Method::kGao) return fitGao(registered, selected(flange.observations, subset), options.gao_length_unit);
   MethodFit fit;
   AdjustmentOptions adjustment;
-  adjustment.tolerance_position = options.tolerance_position;
-  adjustment.tolerance_rotation = options.tolerance_rotation;
+  adjustment.twists = belief.twists;
+  adjustment.tolerance = belief.tolerance;
   adjustment.robust = options.robust;
   adjustment.far_position = kFarPosition;
   const bool flange_poses = options.method == Method::kWeighted;

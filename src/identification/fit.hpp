@@ -30,10 +30,17 @@ struct FlangePoses {
 /// observations.
 FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& observations, const std::vector<RegisteredSample>* samples);
 
+/// How an arm is believed to be made, and how far this one exceeds that.
+struct ArmBelief {
+  TwistPrior twists;       ///< empty: no belief
+  double tolerance = 0.0;  ///< factor; 0: to be estimated
+};
+ArmBelief armBelief(const Arm& nominal, const IdentifyOptions& options);
+
 /// @param registered  nominal arm with a registration. @param subset  indices into observations (and flange poses).
 /// @param camera_free  bundle only.
 MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange,
-                    const std::vector<std::size_t>& subset, const IdentifyOptions& options, bool camera_free);
+                    const std::vector<std::size_t>& subset, const IdentifyOptions& options, const ArmBelief& belief, bool camera_free);
 
 /// Deviations of each joint's twist xi = Ad(exp(eta)) xi_0, eta = B beta, from the covariance of beta: d xi = -ad(xi) K(eta) B d beta.
 std::vector<Vector6d> twistDeviations(const Arm& nominal, const Eigen::VectorXd& beta, const Arm& arm, const Eigen::MatrixXd& covariance);

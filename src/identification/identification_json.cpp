@@ -17,8 +17,11 @@ Json numbers(const Eigen::VectorXd& values) {
 }
 
 Json lengths(const LengthSummary& summary, double factor) {
-  return {
-      {"mean", factor * summary.mean}, {"median", factor * summary.median}, {"rms", factor * summary.rms}, {"max", factor * summary.max}};
+  return {{"mean", factor * summary.mean},
+          {"median", factor * summary.median},
+          {"rms", factor * summary.rms},
+          {"p95", factor * summary.p95},
+          {"max", factor * summary.max}};
 }
 
 Json errors(const ErrorSummary& summary) {
@@ -59,6 +62,10 @@ Json joints(const Identification& identification) {
                {"nominal", numbers(identification.nominal.joints[k].xi)},
                {"identified", numbers(arm.joints[k].xi)}};
     if (k < identification.model.deviation.twists.size()) joint["standard_deviation"] = numbers(identification.model.deviation.twists[k]);
+    if (k < identification.joint_deviations.size()) {
+      const JointDeviation& off = identification.joint_deviations[k];
+      joint["from_nominal"] = {{"tilt", off.tilt}, {"shift", off.shift}, {"zero", off.zero}};
+    }
     list.push_back(std::move(joint));
   }
   return list;
@@ -126,12 +133,16 @@ std::string identificationJson(const Identification& identification, const std::
                            {"gauge", identification.gauge},
                            {"by_parameter", parameters(identification)}};
   json["noise"] = noise(identification);
+  if (!identification.twist_prior.empty()) json["arm_beyond_tolerance"] = identification.arm_beyond_tolerance;
   if (identification.model.cell.camera) {
     json["camera_refitted"] = identification.camera_refitted;
   }
   json["stages"] = Json::array();
-  for (const Stage& stage : identification.stages) {
-    json["stages"].push_back({{"stage", stage.name}, {"calibration", errors(stage.calibration)}, {"held_out", errors(stage.held_out)}});
+  for (const ModelStage& stage : identification.stages) {
+    json["stages"].push_back({{"stage", stage.name},
+                              {"calibration", errors(stage.calibration)},
+                              {"held_out", errors(stage.held_out)},
+                              {"held_out_kept", errors(stage.held_out_kept)}});
   }
   if (!identification.stages.empty()) {
     json["residuals"] = {{"calibration", errors(identification.stages.back().calibration)},

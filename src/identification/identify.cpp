@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "identification/fit.hpp"
+#include "identification/remarks.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/parallel.hpp"
 #include "poecal/core/statistics.hpp"
-#include "poecal/registration/target_pose.hpp"
 
 namespace poecal {
 namespace {
@@ -68,7 +68,7 @@ void requireEnoughPoses(const Arm& arm, std::size_t poses, bool position_only) {
 /// Everything that one choice of camera gives: the final fit, and how folds judged it.
 struct Judged {
   MethodFit fit;
-  std::vector<Stage> stages;
+  std::vector<ModelStage> stages;
   std::vector<double> held_out_squares;  ///< per held-out observation, in the order of `held_out`
   std::vector<std::size_t> held_out;
 };
@@ -83,6 +83,7 @@ class Identifier {
         options_(options),
         given_registration_(registration) {
     cell_.registration.setup = measurements.setup;
+    belief_ = armBelief(*cell_.arm, options_);
   }
 
   Identification run() {
@@ -122,6 +123,8 @@ class Identifier {
       closed_form_ = registration.closed_form;
       samples_ = std::move(registration.samples);
       registration_deviation_ = registration.adjustment.covariance.diagonal().cwiseSqrt();
+      // Of corners without noise something far below what any picture has.
+      corner_noise_ = std::max(registration.corner_scale, 1e-6);
       result_.warnings.insert(result_.warnings.end(), registration.warnings.begin(), registration.warnings.end());
     } else {
       const Adjustment registration = registerPoses(cell_, observations_, options_.robust);
@@ -144,7 +147,7 @@ class Identifier {
     plain.method = Method::kBundle;
     double sigma_rotation = 0.0, sigma_position = 0.0;
     for (int round = 0; round < 20; ++round) {
-      const MethodFit fit = fitMethod(registered_, observations_, flange_, all, plain, false);
+      const MethodFit fit = fitMethod(registered_, observations_, flange_, all, plain, belief_, false);
       std::vector<double> rotations, positions;
       for (const Observation& observation : observations_) {
         const Eigen::VectorXd e = residuals(fit.cell, observation).front().residual;
@@ -195,49 +198,43 @@ class Identifier {
     std::iota(all.begin(), all.end(), 0);
     // One of all poses, then one of each fold.
     std::vector<MethodFit> fits(1 + folds_.size());
-    parallelFor(fits.size(), options_.jobs, [&](std::size_t k) {
-      fits[k] = fitMethod(registered_, observations_, flange_, k == 0 ? all : folds_[k - 1].train, options_, camera_free);
+    fits[0] = fitMethod(registered_, observations_, flange_, all, options_, belief_, camera_free);
+    // One number for the whole arm, which a fifth of the poses hardly moves.
+    const ArmBelief known{belief_.twists, fits[0].adjustment.tolerance};
+    parallelFor(folds_.size(), options_.jobs, [&](std::size_t k) {
+      fits[k + 1] = fitMethod(registered_, observations_, flange_, folds_[k].train, options_, known, camera_free);
     });
     Judged judged;
     judged.fit = std::move(fits.front());
-    refitted_poses_.clear();
-    std::vector<bool> suspect(observations_.size(), false);
-    for (std::size_t k = 0; k < observations_.size(); ++k) suspect[k] = leftOut(judged.fit, k);
     Cell nominal = registered_;
     nominal.registration = closed_form_;
-    ErrorCollector calibration[3], test[3];
+    const auto collector = [this] { return ErrorCollector(corner_noise_); };
+    ErrorCollector calibration[3] = {collector(), collector(), collector()}, test[3] = {collector(), collector(), collector()};
     const auto collect = [&](const Cell& cell, const std::vector<std::size_t>& subset, ErrorCollector& errors) {
-      for (const std::size_t k : subset) {
-        if (!suspect[k]) errors.add(cell, observations_[k], freePose(judged.fit, k));
-      }
+      for (const std::size_t k : subset) errors.add(cell, k, observations_[k]);
     };
     for (std::size_t fold = 0; fold < folds_.size(); ++fold) {
       const Cell* cells[3] = {&nominal, &registered_of_fold_[fold], &fits[fold + 1].cell};
       for (int stage = 0; stage < 3; ++stage) collect(*cells[stage], folds_[fold].test, test[stage]);
-      for (const std::size_t k : folds_[fold].test) {
-        if (!suspect[k]) judged.held_out.push_back(k);
-      }
     }
     const Cell* cells[3] = {&nominal, &registered_, &judged.fit.cell};
     for (int stage = 0; stage < 3; ++stage) collect(*cells[stage], all, calibration[stage]);
+    const auto kept = [&](std::size_t k) { return !leftOut(judged.fit, k); };
     const char* names[3] = {"nominal", "registered", "identified"};
-    for (int stage = 0; stage < 3; ++stage) judged.stages.push_back({names[stage], calibration[stage].summary(), test[stage].summary()});
-    judged.held_out_squares = test[2].squares();
+    for (int stage = 0; stage < 3; ++stage) {
+      judged.stages.push_back({names[stage], calibration[stage].summary(), test[stage].summary(), test[stage].summary(kept)});
+    }
+    for (std::size_t i = 0; i < test[2].indices().size(); ++i) {
+      if (!kept(test[2].indices()[i])) continue;
+      judged.held_out.push_back(test[2].indices()[i]);
+      judged.held_out_squares.push_back(test[2].squares()[i]);
+    }
     return judged;
   }
 
   bool leftOut(const MethodFit& fit, std::size_t k) const {
     if (!fit.adjustment.weights.empty()) return keptShare(fit.adjustment.weights[k]) < 0.5;
     return corners_ && !samples_.empty() && samples_[k].left_out;
-  }
-
-  /// The target's free pose of an observation, through the camera of the fit.
-  const Eigen::Isometry3d* freePose(const MethodFit& fit, std::size_t k) const {
-    if (!corners_ || !samples_[k].has_pose) return nullptr;
-    if (!fit.free.intrinsics) return &samples_[k].T_camera_target;
-    const auto [entry, is_new] = refitted_poses_.try_emplace(k);
-    if (is_new) entry->second = refinePose(*fit.cell.camera, observations_[k], samples_[k].T_camera_target).T_camera_target;
-    return &entry->second;
   }
 
   /// The fit that was chosen, what is to be said of it, and the fit with the camera as stated where that was given up.
@@ -254,7 +251,9 @@ class Identifier {
       Choice choice;
       if (!statesDeviations(*cell_.camera)) choice.stated = judge(false);
       choice.judged = judge(true);
-      sayIfLensMoved(choice.judged.fit, choice.warnings);
+      result_.camera_refitted = true;
+      const std::string moved = lensMoveWarning(choice.judged.fit, *cell_.camera);
+      if (!moved.empty()) choice.warnings.push_back(moved);
       return choice;
     }
     Judged stated = judge(false);
@@ -266,7 +265,7 @@ class Identifier {
         "the stated lens is wrong: with the camera re-fitted ({}) the error on poses that the fit did not see falls from {:.2f} to {:.2f} "
         "px "
         "rms",
-        describeMove(freed.fit), stated.stages.back().held_out.px.rms, freed.stages.back().held_out.px.rms);
+        lensMoveText(freed.fit, *cell_.camera), stated.stages.back().held_out_kept.px.rms, freed.stages.back().held_out_kept.px.rms);
     return {std::move(freed), {said}, std::move(stated)};
   }
 
@@ -291,44 +290,10 @@ class Identifier {
     return centre > 2.6 * std::sqrt(spread / (count * (count - 1.0)));
   }
 
-  /// The intrinsics that moved by more than three standard deviations of the fit, at most four, farthest first.
-  std::string describeMove(const MethodFit& fit) const {
-    const Eigen::VectorXd move = fit.cell.camera->parameters() - cell_.camera->parameters();
-    const Eigen::VectorXd deviation = fit.covariance.diagonal().tail(move.size()).cwiseSqrt();
-    const std::vector<std::string> names = fit.cell.camera->parameterNames();
-    std::vector<Eigen::Index> order(names.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](auto a, auto b) { return std::abs(move(a)) / deviation(a) > std::abs(move(b)) / deviation(b); });
-    std::string text;
-    for (std::size_t k = 0; k < order.size() && k < 4; ++k) {
-      const Eigen::Index i = order[k];
-      if (k > 0 && std::abs(move(i)) < 3.0 * deviation(i)) break;
-      text += fmt::format("{}{} {:.4g} instead of {:.4g}", text.empty() ? "" : ", ", names[static_cast<std::size_t>(i)],
-                          fit.cell.camera->parameters()(i), cell_.camera->parameters()(i));
-    }
-    return text;
-  }
-
-  /// A camera with stated deviations that had to move far beyond them.
-  void sayIfLensMoved(const MethodFit& fit, std::vector<std::string>& warnings) {
-    result_.camera_refitted = true;
-    const Eigen::VectorXd prior = cameraPrior(*cell_.camera);
-    const Eigen::VectorXd move = fit.cell.camera->parameters() - cell_.camera->parameters();
-    for (Eigen::Index k = 0; k < move.size(); ++k) {
-      if (prior(k) > 0.0 && std::abs(move(k)) > 5.0 * prior(k)) {
-        warnings.push_back(fmt::format("the stated lens is wrong: {} moved by {:.1f} of its stated standard deviations ({})",
-                                       fit.cell.camera->parameterNames()[static_cast<std::size_t>(k)], std::abs(move(k)) / prior(k),
-                                       describeMove(fit)));
-        return;
-      }
-    }
-  }
-
   void report(Judged judged, Identification& result) const {
     const MethodFit& fit = judged.fit;
     result.stages = std::move(judged.stages);
-    result.held_out_poses = static_cast<int>(judged.held_out.size());
+    result.held_out_poses = result.stages.back().held_out.poses;
     result.status = fit.converged ? AdjustmentStatus::kConverged : AdjustmentStatus::kIterationLimit;
     if (!fit.converged) result.warnings.push_back("the fit reached its iteration limit: its figures are not those of a minimum");
     result.steps = fit.adjustment.steps;
@@ -351,8 +316,16 @@ class Identifier {
       const double prior = fit.adjustment.sigma_prior(k);
       result.prior_share.push_back(std::isfinite(prior) ? std::pow(result.parameter_deviation(k) / prior, 2) : 0.0);
     }
-    nameSuspects(fit, result);
-    nameGauge(fit, result);
+    result.arm_beyond_tolerance = fit.adjustment.tolerance;
+    result.twist_prior = belief_.twists;
+    if (!belief_.twists.empty() && fit.adjustment.beta.size() > 0) {
+      result.joint_deviations = belief_.twists.deviations(fit.adjustment.beta);
+      const std::vector<std::string> far = deviationWarnings(*cell_.arm, result.joint_deviations, options_);
+      result.warnings.insert(result.warnings.end(), far.begin(), far.end());
+    }
+    const bool flange = options_.method == Method::kWeighted;
+    result.suspects = suspectRows(fit, flange ? fit.adjustment.cell : fit.cell, flange ? flange_.observations : observations_);
+    result.gauge = gaugeRemarks(*cell_.arm, fit, options_.registered);
     Model& model = result.model;
     model.cell = fit.cell;
     model.method = methodName(options_.method);
@@ -377,53 +350,13 @@ class Identifier {
     }
   }
 
-  void nameSuspects(const MethodFit& fit, Identification& result) const {
-    if (fit.adjustment.weights.empty()) return;
-    const bool flange = options_.method == Method::kWeighted;
-    for (std::size_t k = 0; k < observations_.size(); ++k) {
-      const std::vector<double>& weights = fit.adjustment.weights[k];
-      if (*std::min_element(weights.begin(), weights.end()) >= 1.0) continue;
-      SuspectRow row;
-      row.sample = observations_[k].sample;
-      row.left_out = keptShare(weights) < 0.5;
-      const Cell& cell = flange ? fit.adjustment.cell : fit.cell;
-      double sum = 0.0;
-      const std::vector<UnitResidual> units = residuals(cell, flange ? flange_.observations[k] : observations_[k]);
-      for (const UnitResidual& unit : units) {
-        row.sigmas = std::max(row.sigmas, std::sqrt(unit.squared_norm) / fit.adjustment.scale);
-        sum += corners_ && !flange ? unit.residual.squaredNorm() : unit.residual.tail<3>().squaredNorm();
-      }
-      row.residual = std::sqrt(sum / static_cast<double>(units.size()));
-      result.suspects.push_back(row);
-    }
-  }
-
-  void nameGauge(const MethodFit& fit, Identification& result) const {
-    for (std::size_t k = 0; k < cell_.arm->joints.size(); ++k) {
-      const bool revolute = cell_.arm->joints[k].type == JointType::kRevolute;
-      result.gauge.push_back(
-          fmt::format("joint {}: {} changes nothing and is not a parameter", k + 1,
-                      revolute ? "turning about and sliding along its own axis" : "turning about and shifting its own direction"));
-    }
-    const Registration& registration = fit.cell.registration;
-    if (fit.free.near) {
-      result.gauge.push_back(
-          fmt::format("Gamma and T_{}_target are one unknown: Gamma is held at its nominal value", registration.farFrame()));
-      result.gauge.push_back(fmt::format(
-          "moving the {} frame and all axes together changes nothing: the tolerance priors of the axes choose", registration.nearFrame()));
-    } else if (!options_.registered) {
-      result.gauge.push_back(
-          fmt::format("T_camera_{} and T_{}_target are held as registered with the nominal arm; the axes and Gamma take up what they lack",
-                      registration.nearFrame(), registration.farFrame()));
-    }
-  }
-
   Cell cell_;
   std::vector<Observation> observations_;
   std::vector<std::vector<std::size_t>> groups_;
   bool sigmas_stated_;
   IdentifyOptions options_;
   const RegistrationResult* given_registration_;
+  ArmBelief belief_;
   Identification result_;
   bool corners_ = true;
   Cell registered_;
@@ -434,7 +367,7 @@ class Identifier {
   std::vector<Fold> folds_;
   std::vector<Cell> registered_of_fold_;
   double sigma_position_ = 0.0, sigma_rotation_ = 0.0;
-  mutable std::map<std::size_t, Eigen::Isometry3d> refitted_poses_;  ///< free poses through the camera of the fit being judged
+  double corner_noise_ = 1.0;  ///< standard deviation of corners in their stated sigmas, from free poses of the target
 };
 
 }  // namespace

@@ -216,6 +216,15 @@ void measureFlange(const Cell& cell, const Observation& observation, const std::
   redundancy += 2.0 * pose.corners - 6.0;
 }
 
+/// Root mean square of the corners' stated deviations [px].
+double statedSigma(const std::vector<Observation>& observations) {
+  std::vector<double> sigmas;
+  for (const Observation& observation : observations) {
+    for (const CornerMeasurement& corner : observation.corners) sigmas.push_back(corner.sigma_px);
+  }
+  return rms(sigmas);
+}
+
 }  // namespace
 
 double keptShare(const std::vector<double>& unit_weights) { return unit_weights.empty() ? 0.0 : mean(unit_weights); }
@@ -286,8 +295,9 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   result.rms_px = used_corners > 0.0 ? std::sqrt(used_squares / used_corners) : 0.0;
   result.rms_all_px = all_corners > 0.0 ? std::sqrt(all_squares / all_corners) : 0.0;
   result.free_rms_px = free_corners > 0.0 ? std::sqrt(free_squares / free_corners) : 0.0;
-  result.corner_sigma_px = redundancy > 0.0 ? std::sqrt(free_chi_square / redundancy) : 1.0;
-  for (RegisteredSample& sample : result.samples) sample.covariance *= result.corner_sigma_px * result.corner_sigma_px;
+  result.corner_scale = redundancy > 0.0 ? std::sqrt(free_chi_square / redundancy) : 1.0;
+  result.corner_sigma_px = result.corner_scale * statedSigma(observations);
+  for (RegisteredSample& sample : result.samples) sample.covariance *= result.corner_scale * result.corner_scale;
   return result;
 }
 

@@ -98,19 +98,24 @@ struct Picture {
   }
 };
 
-/// (x - x0) / sigma.
+/// U (x - x0), the precision being U^T U.
 struct Prior {
-  Eigen::VectorXd x0, sigma;
+  Eigen::VectorXd x0;
+  Eigen::MatrixXd root;
 
   template <typename T>
   bool operator()(T const* const* x, T* residuals) const {
-    for (Eigen::Index k = 0; k < x0.size(); ++k) residuals[k] = (x[0][k] - x0(k)) / sigma(k);
+    for (Eigen::Index i = 0; i < x0.size(); ++i) {
+      residuals[i] = T(0.0);
+      for (Eigen::Index k = i; k < x0.size(); ++k) residuals[i] += root(i, k) * (x[0][k] - x0(k));
+    }
     return true;
   }
 };
 
-void addPrior(ceres::Problem& problem, Eigen::VectorXd& parameters, const Eigen::VectorXd& sigma) {
-  auto* cost = new ceres::DynamicAutoDiffCostFunction<Prior, 16>(new Prior{parameters, sigma});
+/// @param root  upper triangular.
+void addPrior(ceres::Problem& problem, Eigen::VectorXd& parameters, const Eigen::MatrixXd& root) {
+  auto* cost = new ceres::DynamicAutoDiffCostFunction<Prior, 16>(new Prior{parameters, root});
   cost->AddParameterBlock(static_cast<int>(parameters.size()));
   cost->SetNumResiduals(static_cast<int>(parameters.size()));
   problem.AddResidualBlock(cost, nullptr, parameters.data());
@@ -128,11 +133,9 @@ CeresBundle solveWithCeres(const Cell& start, const std::vector<Observation>& ob
     auto* cost = new ceres::AutoDiffCostFunction<Picture, kNumbers, kTwists, 6, 6, kCamera>(new Picture(start, observation));
     problem.AddResidualBlock(cost, nullptr, result.beta.data(), near.data(), far.data(), result.camera.data());
   }
-  Eigen::VectorXd tolerance(kTwists);
-  for (Eigen::Index k = 0; k < kTwists; ++k) tolerance(k) = k % 4 < 2 ? options.tolerance_rotation : options.tolerance_position;
-  addPrior(problem, result.beta, tolerance);
+  addPrior(problem, result.beta, options.twists.precision.llt().matrixU());
   if (options.free.intrinsics) {
-    addPrior(problem, result.camera, options.camera_prior_sigma);
+    addPrior(problem, result.camera, options.camera_prior_sigma.cwiseInverse().asDiagonal());
   } else {
     problem.SetParameterBlockConstant(result.camera.data());
   }

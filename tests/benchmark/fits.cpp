@@ -19,7 +19,6 @@ using benchmarks::Collector;
 using benchmarks::PeakMemory;
 
 constexpr double kCornerSigma = 0.1;  // [px]
-const Eigen::Vector3d kGravity(0.0, 0.0, -9.80665);
 
 /// A simulated capture, registered; made once for each number of poses.
 struct Capture {
@@ -46,8 +45,7 @@ const Capture& captureOf(int poses) {
 AdjustmentOptions bundleOptions(const Cell& cell, bool camera_free) {
   AdjustmentOptions options;
   options.free = {.twists = true, .near = true, .far = true, .intrinsics = camera_free};
-  options.tolerance_rotation = 3e-3;
-  options.tolerance_position = 1e-3;
+  options.twists = TwistPrior(*cell.arm, 1e-3, 3e-3);
   options.robust = false;
   options.scale = 1.0;
   if (camera_free) {

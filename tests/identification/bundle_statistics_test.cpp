@@ -7,7 +7,6 @@
 namespace poecal {
 namespace {
 
-using test::eachAlone;
 using test::plainBundle;
 using test::Simulated;
 using test::simulated;

@@ -16,7 +16,6 @@
 namespace poecal {
 namespace {
 
-using test::eachAlone;
 using test::plainBundle;
 using test::Simulated;
 using test::simulated;
@@ -61,12 +60,12 @@ TEST(Identify, AllThreeMethodsAgreeAndHoldTheJointConstraints) {
       EXPECT_NEAR(joint.xi.head<3>().dot(joint.xi.tail<3>()), 0.0, 1e-12);
     }
     ErrorCollector errors;
-    for (const Observation& observation : data.unseen) errors.add(found.model.cell, observation, nullptr);
+    for (const Observation& observation : data.unseen) errors.add(found.model.cell, 0, observation);
     rms[next++] = errors.summary().px.rms;
   }
   ErrorCollector before;
   Cell registered = registerCell(data.nominal, data.calibration, {}).cell;
-  for (const Observation& observation : data.unseen) before.add(registered, observation, nullptr);
+  for (const Observation& observation : data.unseen) before.add(registered, 0, observation);
   EXPECT_LT(rms[0], 0.1);                            // below the noise of one corner
   EXPECT_LT(rms[1], 2.0 * rms[0]);                   // poses carry nearly all that the corners know
   EXPECT_LT(rms[2], 0.5 * before.summary().px.rms);  // unweighted still beats no identification
@@ -143,6 +142,56 @@ TEST(Identify, ReportIsJsonWithEveryPartOfTheContract) {
   EXPECT_EQ(json["joints"].size(), 6u);
   EXPECT_EQ(json["observability"]["rank"], 6 * 4 + 12);
   for (const char* key : {"iterations", "gamma", "residuals", "noise", "stages", "suspects"}) EXPECT_TRUE(json.contains(key)) << key;
+}
+
+/// A simulated cell whose true arm is displaced by a factor more.
+test::Simulated looseCell(double factor) {
+  test::Simulated data = test::simulated("cobot6", 31, 40, 0);
+  // The twists that lead from the nominal arm to the true one, in the logarithm: the same draws, so many times as far.
+  Rng rng(31, 7);
+  Eigen::VectorXd beta(twistParameterCount(*data.nominal.arm));
+  for (Eigen::Index k = 0; k < beta.size(); ++k) beta(k) = factor * (k % 4 < 2 ? 2e-3 : 6e-4) * rng.normal();
+  const Arm actual = displaceTwists(*data.nominal.arm, beta);
+  for (Observation& observation : data.calibration) {
+    for (CornerMeasurement& corner : observation.corners) {
+      const Eigen::Vector3d before =
+          data.truth.registration.cameraTarget(forwardKinematics(*data.truth.arm, observation.q)) * corner.p_target;
+      const Eigen::Vector3d now = data.truth.registration.cameraTarget(forwardKinematics(actual, observation.q)) * corner.p_target;
+      corner.px += *project(*data.truth.camera, now) - *project(*data.truth.camera, before);
+    }
+  }
+  return data;
+}
+
+TEST(Identify, HowFarTheArmExceedsItsToleranceIsEstimatedAndTold) {
+  // Drawn at two thirds of the tolerances, and at ten times as much: 6.7 of them, within the scatter of a root of 24 squares.
+  const double tight = identify(looseCell(1.0).nominal, looseCell(1.0).measurements(), plainBundle()).arm_beyond_tolerance;
+  const test::Simulated loose = looseCell(10.0);
+  const double far = identify(loose.nominal, loose.measurements(), plainBundle()).arm_beyond_tolerance;
+  EXPECT_LT(tight, 1.3);
+  EXPECT_GT(far, 3.0);
+  EXPECT_LT(far, 10.0);
+}
+
+TEST(Identify, TheBaseFrameIsWhereTheAxesAreNearestToNominal) {
+  const test::Simulated data = test::simulated("cobot6", 32, 40, 0);
+  const Identification found = identify(data.nominal, data.measurements(), plainBundle());
+  // A motion of the base moves all axes alike; no derivative of beta' P beta along it is left, in units of its own root.
+  const Eigen::VectorXd& beta = found.adjustment.beta;
+  const Eigen::VectorXd pull = found.twist_prior.precision * beta;
+  Eigen::MatrixXd along(beta.size(), 6);
+  int row = 0;
+  for (const Joint& joint : data.nominal.arm->joints) {
+    const Matrix6Xd moved = adjointOfTwist(joint.xi) * twistBasis(joint);
+    const int size = twistParameterCount(joint);
+    along.middleRows(row, size) = moved.completeOrthogonalDecomposition().solve(adjointOfTwist(joint.xi));
+    row += size;
+  }
+  for (int k = 0; k < 6; ++k) {
+    const double unit = std::sqrt(along.col(k).dot(found.twist_prior.precision * along.col(k)));
+    // The derivative is exact only at the nominal arm; the axes moved by milliradians.
+    EXPECT_LT(std::abs(along.col(k).dot(pull)) / unit, 0.02) << k;
+  }
 }
 
 }  // namespace

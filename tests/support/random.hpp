@@ -29,6 +29,13 @@ inline Eigen::VectorXd uniformVector(Rng& rng, int size, double limit) {
   return v;
 }
 
+/// Independent standard normal entries.
+inline Eigen::VectorXd normalVector(Rng& rng, int size) {
+  Eigen::VectorXd v(size);
+  for (int k = 0; k < size; ++k) v(k) = rng.normal();
+  return v;
+}
+
 /// exp of a twist whose rotation and translation entries are uniform in +-angle and +-distance.
 inline Eigen::Isometry3d randomPose(Rng& rng, double angle = 1.5, double distance = 1.0) {
   Vector6d xi;

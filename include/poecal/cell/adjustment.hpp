@@ -14,6 +14,7 @@
 
 #include "poecal/cell/cell.hpp"
 #include "poecal/cell/observation.hpp"
+#include "poecal/cell/twist_prior.hpp"
 
 namespace poecal {
 
@@ -35,9 +36,10 @@ Eigen::Vector3d farMotion(const Cell& cell, const Cell& start);
 
 struct AdjustmentOptions {
   FreeParameters free;
-  /// Tolerance priors (1 sigma) of the twists about the nominal arm: tilts [rad] and shifts [m]. 0: no prior.
-  double tolerance_rotation = 0.0;
-  double tolerance_position = 0.0;
+  /// What is believed of the twists about the nominal arm; empty: nothing.
+  TwistPrior twists = {};
+  /// Factor by which the arm exceeds `twists`, at least 1; where not positive it is estimated beside the scale (updatedTolerance()).
+  double tolerance = 1.0;
   /// 1 sigma of each intrinsic parameter about the cell's camera; empty or NaN: no prior there.
   Eigen::VectorXd camera_prior_sigma;
   /// 1 sigma of T_far_target's position about the cell's own [m]: see kFarPosition. 0: no prior.
@@ -63,10 +65,11 @@ struct Adjustment {
   Cell cell;                       ///< adjusted
   Eigen::VectorXd beta;            ///< twist displacements from the nominal arm; empty where the twists were held
   std::vector<std::string> names;  ///< of the free parameters
-  Eigen::VectorXd sigma_prior;     ///< their priors; infinity where there is none
-  Eigen::MatrixXd covariance;      ///< of the free parameters; directions that nothing determines have zero variance and are listed below
+  Eigen::VectorXd sigma_prior;  ///< 1 sigma of their priors by themselves, as wide as `tolerance` makes them; infinity where there is none
+  Eigen::MatrixXd covariance;   ///< of the free parameters; directions that nothing determines have zero variance and are listed below
   std::vector<AdjustmentStep> steps;         ///< the first entry is the start
   double scale = 0.0;                        ///< s, estimated or given
+  double tolerance = 1.0;                    ///< factor by which the arm exceeds its tolerances, estimated or given
   double chi_square = 0.0;                   ///< sum w |r|^2 at the stated sigmas
   double degrees_of_freedom = 0.0;           ///< numbers used less the parameters that the data (not the priors) determine
   int rank = 0;                              ///< of the free parameters, with the priors

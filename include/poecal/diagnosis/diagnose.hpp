@@ -15,11 +15,9 @@
 namespace poecal {
 
 struct DiagnoseOptions {
-  double tolerance_position = 1e-3;  ///< 1 sigma of an axis' place about the nominal [m]
-  double tolerance_rotation = 3e-3;  ///< 1 sigma of an axis' tilt [rad]
-  int folds = 5;                     ///< in how many turns the poses judge a fit that did not see them
-  std::uint64_t seed = 1;            ///< of the folds and of the bootstrap
-  int jobs = 1;                      ///< candidates weighed at a time (0: one per core); the result does not depend on it
+  int folds = 5;           ///< in how many turns the poses judge a fit that did not see them
+  std::uint64_t seed = 1;  ///< of the folds and of the bootstrap
+  int jobs = 1;            ///< candidates weighed at a time (0: one per core); the result does not depend on it
 };
 
 /// One rung of the ladder, on poses that its fit did not see.

@@ -2,40 +2,72 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "poecal/cell/cell.hpp"
 #include "poecal/cell/observation.hpp"
 
 namespace poecal {
 
-/// Mean, median, root mean square and maximum of lengths.
+/// Mean, median, root mean square, 95 % quantile and maximum of lengths.
 struct LengthSummary {
-  double mean = 0.0, median = 0.0, rms = 0.0, max = 0.0;
+  double mean = 0.0, median = 0.0, rms = 0.0, p95 = 0.0, max = 0.0;
 };
+LengthSummary summarise(const std::vector<double>& lengths);
 
 /// Errors of a set of poses.
 struct ErrorSummary {
   int poses = 0;
   int corners = 0;
-  LengthSummary px;        ///< length of a corner's residual [px]; zero for poses
-  LengthSummary position;  ///< flange (corners), or the measured point (poses) [m]
-  LengthSummary rotation;  ///< [rad]; zero where only positions were measured
+  LengthSummary px;  ///< length of a corner's residual [px]; zero for poses
+  /// Of the flange, free of the noise of corners (see expectedFlangeErrors()); of poses of an instrument the distance of the measured
+  /// point, its noise included [m].
+  LengthSummary position;
+  LengthSummary rotation;  ///< likewise [rad]; zero where only positions were measured
 };
+
+/// What one picture's corners say of the error e = (rotation in base; position) of the modelled flange [rad; m]:
+/// information = J^T J / noise^2, pull = J^T r / noise^2 with r the residuals in stated sigmas and J = d(model)/d(e).
+struct FlangeEvidence {
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d pull = Vector6d::Zero();
+};
+/// @param T_camera_target  where the model has the target. @param noise  standard deviation of the residuals in stated sigmas.
+FlangeEvidence flangeEvidence(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target, double noise);
+
+/// Distance and angle of a flange from where it is.
+struct FlangeError {
+  double position = 0.0, rotation = 0.0;  ///< [m], [rad]
+};
+/// A single tag shows its depth and its tilts ten times worse than its place in the picture, so that the pose which it gives is mostly
+/// noise. The errors of all poses are therefore taken as drawn from N(0, diag(v_r I, v_p I)), whose variances are estimated from all of
+/// them (maximum marginal likelihood by MacKay's fixed point), and each pose's is sqrt(E |e|^2), E |e|^2 = |mean|^2 + trace(covariance)
+/// given its corners. Where the estimate is 0 the variances are what so many poses could not have told from 0.
+std::vector<FlangeError> expectedFlangeErrors(const std::vector<FlangeEvidence>& evidence);
 
 /// Errors of single observations, collected over folds and summarised once.
 class ErrorCollector {
  public:
-  /// @param T_camera_target  the target's free pose where corners were measured; nullptr where there is none.
-  void add(const Cell& cell, const Observation& observation, const Eigen::Isometry3d* T_camera_target);
-  ErrorSummary summary() const;
-  /// Sum of squared pixel (or whitened pose) residuals of each observation added, in order.
+  /// @param noise  standard deviation of corners in their stated sigmas.
+  explicit ErrorCollector(double noise = 1.0) : noise_(noise) {}
+  void add(const Cell& cell, std::size_t index, const Observation& observation);
+  /// Of the observations whose index counts. @param counts  empty: all do.
+  ErrorSummary summary(const std::function<bool(std::size_t)>& counts = {}) const;
+  /// Indices in the order added, and the sum of squared pixel (or whitened pose) residuals of each.
+  const std::vector<std::size_t>& indices() const { return indices_; }
   const std::vector<double>& squares() const { return squares_; }
 
  private:
-  std::vector<double> px_, position_, rotation_, squares_;
+  double noise_;
+  std::vector<std::size_t> indices_;
+  std::vector<double> squares_;
+  std::vector<std::vector<double>> px_;
+  std::vector<FlangeEvidence> evidence_;  ///< corners only
+  std::vector<FlangeError> measured_;     ///< poses only
+  bool rotations_ = true;
 };
-
-LengthSummary summarise(const std::vector<double>& lengths);
 
 }  // namespace poecal

@@ -27,8 +27,10 @@ enum class CameraChoice { kStated, kFree, kAuto };
 
 struct IdentifyOptions {
   Method method = Method::kBundle;
-  double tolerance_position = 1e-3;  ///< 1 sigma prior of an axis' place about the nominal [m]; 0: none
-  double tolerance_rotation = 3e-3;  ///< 1 sigma prior of an axis' tilt [rad]; 0: none
+  /// Tolerances to which the arm is made, 1 sigma: of an axis' place [m] and tilt [rad], as TwistPrior has them. How far this arm exceeds
+  /// them is estimated. Both 0: no prior; one of them 0: a width of 1 m or 1 rad there.
+  double tolerance_position = 1e-3;
+  double tolerance_rotation = 3e-3;
   CameraChoice camera = CameraChoice::kAuto;
   bool robust = true;
   double gao_length_unit = 1.0;  ///< gao only: unit of length [m] that its unweighted rows mix with radians; the paper's is 1e-3
@@ -51,11 +53,12 @@ struct SuspectRow {
   bool left_out = false;  ///< most of it had no weight
 };
 
-/// One rung of the ladder: the nominal arm with a closed-form registration, registered, identified.
-struct Stage {
+/// One model stage: "nominal" (the nominal arm with a closed-form registration), "registered", "identified".
+struct ModelStage {
   std::string name;
-  ErrorSummary calibration;
-  ErrorSummary held_out;
+  ErrorSummary calibration;    ///< every row, by the fit to all of them
+  ErrorSummary held_out;       ///< every row, each by a fit that did not see its pose
+  ErrorSummary held_out_kept;  ///< of these, without the rows that the fit set aside as contradicting all others
 };
 
 struct Identification {
@@ -65,7 +68,7 @@ struct Identification {
   std::vector<AdjustmentStep> steps;  ///< of the final fit
   std::vector<double> gao_residuals;  ///< RMS of y before each step, rad and gao_length_unit mixed as the paper has it; gao only
   AdjustmentStatus status = AdjustmentStatus::kNotRun;
-  std::vector<Stage> stages;
+  std::vector<ModelStage> stages;
   std::vector<SuspectRow> suspects;
   int poses = 0;           ///< observations used
   int held_out_poses = 0;  ///< of these, poses that judged a fit which did not see them
@@ -77,6 +80,9 @@ struct Identification {
   double sigma_rotation = 0.0;      ///< estimated, per axis [rad]; poses only
   double reduced_chi_square = 0.0;  ///< at the stated sigmas
   double degrees_of_freedom = 0.0;
+  double arm_beyond_tolerance = 1.0;             ///< factor by which the arm exceeds its tolerances, estimated, at least 1
+  TwistPrior twist_prior;                        ///< of those tolerances; empty where there is no prior
+  std::vector<JointDeviation> joint_deviations;  ///< what the prior makes of the identified arm; empty without one
   // Observability
   std::vector<std::string> parameter_names;
   Eigen::VectorXd parameter_deviation;  ///< standard deviations

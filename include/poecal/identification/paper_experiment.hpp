@@ -17,12 +17,6 @@ struct PaperOptions {
   double noise_rotation = 1e-3;  ///< half width of the uniform noise of each component of a rotation vector, on the left [rad]
 };
 
-/// Distance and angle to the true flange, at one pose or in the median over the test poses.
-struct FlangeError {
-  double position = 0.0;  ///< [m]
-  double rotation = 0.0;  ///< [rad]
-};
-
 /// What one method made of one seed.
 struct PaperFit {
   Arm arm;

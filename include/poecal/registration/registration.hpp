@@ -28,7 +28,7 @@ struct RegisteredSample {
   Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();  ///< measured
   /// Of (log of the left rotation error in base; position of the flange in base), [rad; m], from the corners alone, at
-  /// `RegistrationResult::corner_sigma_px`.
+  /// `RegistrationResult::corner_scale`.
   Matrix6d covariance = Matrix6d::Zero();
 };
 
@@ -41,8 +41,9 @@ struct RegistrationResult {
   double rms_all_px =
       0.0;  ///< over all corners that can be projected; where pictures were left out one by one, of the fit to every picture
   double free_rms_px = 0.0;  ///< with a pose for every picture: what the corners allow whatever the arm
-  double corner_sigma_px =
-      0.0;  ///< per axis, from the free poses (2N - 6 numbers a picture); the stated sigma where there is no redundancy
+  /// Noise of the corners in units of their stated sigma, from the free poses (2N - 6 numbers a picture); 1 where there is no redundancy.
+  double corner_scale = 1.0;
+  double corner_sigma_px = 0.0;  ///< the same per axis [px]: times the root mean square of the stated sigmas
   std::vector<std::string> warnings;
 };
 

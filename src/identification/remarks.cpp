@@ -1,0 +1,117 @@
+#include "identification/remarks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "poecal/registration/registration.hpp"
+
+namespace poecal {
+namespace {
+
+double degrees(double angle) { return angle * 180.0 / M_PI; }
+
+}  // namespace
+
+std::vector<SuspectRow> suspectRows(const MethodFit& fit, const Cell& cell, const std::vector<Observation>& fitted) {
+  std::vector<SuspectRow> rows;
+  if (fit.adjustment.weights.empty()) return rows;
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    const std::vector<double>& weights = fit.adjustment.weights[k];
+    if (*std::min_element(weights.begin(), weights.end()) >= 1.0) continue;
+    SuspectRow row;
+    row.sample = fitted[k].sample;
+    row.left_out = keptShare(weights) < 0.5;
+    double sum = 0.0;
+    const std::vector<UnitResidual> units = residuals(cell, fitted[k]);
+    for (const UnitResidual& unit : units) {
+      row.sigmas = std::max(row.sigmas, std::sqrt(unit.squared_norm) / fit.adjustment.scale);
+      sum += fitted[k].pose ? unit.residual.tail<3>().squaredNorm() : unit.residual.squaredNorm();
+    }
+    row.residual = std::sqrt(sum / static_cast<double>(units.size()));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::vector<std::string> deviationWarnings(const Arm& nominal, const std::vector<JointDeviation>& deviations,
+                                           const IdentifyOptions& options) {
+  constexpr double kFar = 10.0;   // tolerances: out of reach of any part that was made to them
+  constexpr double kZero = 0.03;  // [rad], [m]: well beyond what homing leaves
+  const double far_tilt = kFar * (options.tolerance_rotation > 0.0 ? options.tolerance_rotation : 1.0);
+  const double far_shift = kFar * (options.tolerance_position > 0.0 ? options.tolerance_position : 1.0);
+  std::vector<std::string> warnings;
+  for (std::size_t k = 0; k < deviations.size(); ++k) {
+    const JointDeviation& deviation = deviations[k];
+    const Joint& joint = nominal.joints[k];
+    const auto say = [&](const std::string& what) {
+      warnings.push_back(
+          fmt::format("joint {} ({}): {} from what the robot file says, expected an arm made to its tolerances", k + 1, joint.name, what));
+    };
+    if (std::abs(deviation.zero) > kZero) {
+      say(joint.type == JointType::kRevolute ? fmt::format("its zero is {:.1f} degrees away", degrees(deviation.zero))
+                                             : fmt::format("its zero is {:.1f} mm away", 1e3 * deviation.zero));
+    }
+    if (deviation.tilt > far_tilt) say(fmt::format("its axis is tilted by {:.1f} degrees", degrees(deviation.tilt)));
+    if (deviation.shift > far_shift) say(fmt::format("its axis lies {:.1f} mm away", 1e3 * deviation.shift));
+  }
+  return warnings;
+}
+
+std::vector<std::string> gaugeRemarks(const Arm& nominal, const MethodFit& fit, bool registered) {
+  std::vector<std::string> remarks;
+  for (std::size_t k = 0; k < nominal.joints.size(); ++k) {
+    const bool revolute = nominal.joints[k].type == JointType::kRevolute;
+    remarks.push_back(
+        fmt::format("joint {}: {} changes nothing and is not a parameter", k + 1,
+                    revolute ? "turning about and sliding along its own axis" : "turning about and shifting its own direction"));
+  }
+  const Registration& registration = fit.cell.registration;
+  if (fit.free.near) {
+    remarks.push_back(fmt::format("Gamma and T_{}_target are one unknown: Gamma is held at its nominal value", registration.farFrame()));
+    remarks.push_back(
+        fmt::format("moving the {} frame and all axes together changes nothing: the frame is where the axes are nearest to "
+                    "nominal, weighed by the tolerances",
+                    registration.nearFrame()));
+  } else if (!registered) {
+    remarks.push_back(
+        fmt::format("T_camera_{} and T_{}_target are held as registered with the nominal arm; the axes and Gamma take up what they lack",
+                    registration.nearFrame(), registration.farFrame()));
+  }
+  return remarks;
+}
+
+std::string lensMoveText(const MethodFit& fit, const Camera& stated) {
+  const Eigen::VectorXd move = fit.cell.camera->parameters() - stated.parameters();
+  const Eigen::VectorXd deviation = fit.covariance.diagonal().tail(move.size()).cwiseSqrt();
+  const std::vector<std::string> names = fit.cell.camera->parameterNames();
+  std::vector<Eigen::Index> order(names.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](auto a, auto b) { return std::abs(move(a)) / deviation(a) > std::abs(move(b)) / deviation(b); });
+  std::string text;
+  for (std::size_t k = 0; k < order.size() && k < 4; ++k) {
+    const Eigen::Index i = order[k];
+    if (k > 0 && std::abs(move(i)) < 3.0 * deviation(i)) break;
+    text += fmt::format("{}{} {:.4g} instead of {:.4g}", text.empty() ? "" : ", ", names[static_cast<std::size_t>(i)],
+                        fit.cell.camera->parameters()(i), stated.parameters()(i));
+  }
+  return text;
+}
+
+std::string lensMoveWarning(const MethodFit& fit, const Camera& stated) {
+  const Eigen::VectorXd prior = cameraPrior(stated);
+  const Eigen::VectorXd move = fit.cell.camera->parameters() - stated.parameters();
+  for (Eigen::Index k = 0; k < move.size(); ++k) {
+    if (prior(k) > 0.0 && std::abs(move(k)) > 5.0 * prior(k)) {
+      return fmt::format("the stated lens is wrong: {} moved by {:.1f} of its stated standard deviations ({})",
+                         fit.cell.camera->parameterNames()[static_cast<std::size_t>(k)], std::abs(move(k)) / prior(k),
+                         lensMoveText(fit, stated));
+    }
+  }
+  return "";
+}
+
+}  // namespace poecal

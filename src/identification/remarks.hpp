@@ -1,0 +1,26 @@
+// What an identification says beside its figures: rows that contradict it, an arm that is not its file's, what no data can tell.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification/fit.hpp"
+
+namespace poecal {
+
+/// Rows of which some corner, or the pose, lost weight. @param fitted  what the fit saw: the observations, or measured flange poses.
+std::vector<SuspectRow> suspectRows(const MethodFit& fit, const Cell& cell, const std::vector<Observation>& fitted);
+
+/// What no tolerance makes: the arm is then another than its file says. A zero of 0.03 rad and more, an axis ten tolerances away.
+std::vector<std::string> deviationWarnings(const Arm& nominal, const std::vector<JointDeviation>& deviations,
+                                           const IdentifyOptions& options);
+
+/// What no data of this kind can tell, by name, and how it was fixed.
+std::vector<std::string> gaugeRemarks(const Arm& nominal, const MethodFit& fit, bool registered);
+
+/// The intrinsics that moved by more than three standard deviations of the fit, at most four, farthest first.
+std::string lensMoveText(const MethodFit& fit, const Camera& stated);
+/// Whether a lens with stated deviations had to move far beyond them, and how; empty where it had not.
+std::string lensMoveWarning(const MethodFit& fit, const Camera& stated);
+
+}  // namespace poecal

@@ -1,0 +1,71 @@
+// Errors of the flange that corners tell, against the errors that there are.
+#include "poecal/identification/errors.hpp"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "identification/simulated_cell.hpp"
+#include "poecal/core/random.hpp"
+#include "poecal/core/statistics.hpp"
+#include "poecal/registration/target_pose.hpp"
+
+namespace poecal {
+namespace {
+
+/// True errors of a cell's flange in position [m], and those of the pose that each picture's corners alone give.
+struct Compared {
+  std::vector<double> truth, raw;
+  ErrorSummary told;
+};
+
+Compared compare(const test::Simulated& data, const Cell& model) {
+  Compared compared;
+  ErrorCollector collector(1.0);  // the corners state their deviation, 0.1 px
+  for (std::size_t k = 0; k < data.calibration.size(); ++k) {
+    const Observation& observation = data.calibration[k];
+    const Eigen::Isometry3d true_flange = modelFlange(data.truth, observation), flange = modelFlange(model, observation);
+    compared.truth.push_back((true_flange.translation() - flange.translation()).norm());
+    const Eigen::Isometry3d free =
+        refinePose(*model.camera, observation, data.truth.registration.cameraTarget(true_flange)).T_camera_target;
+    compared.raw.push_back((model.registration.baseFlange(free).translation() - flange.translation()).norm());
+    collector.add(model, k, observation);
+  }
+  compared.told = collector.summary();
+  return compared;
+}
+
+TEST(FlangeErrors, AreThoseThatThereAreWithoutTheTagsNoise) {
+  const test::Simulated data = test::simulated("cobot6", 41, 60, 0);
+  Cell model = data.truth;
+  // 0.1 mm and 0.3 mrad, below what a single tag tells of its pose.
+  Rng rng(5);
+  Eigen::VectorXd beta(twistParameterCount(*model.arm));
+  for (Eigen::Index k = 0; k < beta.size(); ++k) beta(k) = (k % 4 < 2 ? 1.5e-4 : 1e-4) * rng.normal();
+  model.arm = displaceTwists(*model.arm, beta);
+  const Compared compared = compare(data, model);
+  EXPECT_GT(rms(compared.raw), 2.0 * rms(compared.truth)) << "otherwise this case shows nothing";
+  // Sixty poses whose errors hang together: a mean square known to a quarter.
+  EXPECT_NEAR(compared.told.position.rms / rms(compared.truth), 1.0, 0.25);
+  EXPECT_GE(compared.told.position.max, compared.told.position.p95);
+  EXPECT_GE(compared.told.position.p95, compared.told.position.median);
+}
+
+TEST(FlangeErrors, OfTheTrueArmAreNearlyNone) {
+  const test::Simulated data = test::simulated("cobot6", 42, 60, 0);
+  const Compared compared = compare(data, data.truth);
+  EXPECT_LT(compared.told.position.rms, 0.15 * rms(compared.raw));
+}
+
+TEST(FlangeErrors, LargeOnesAreAsMeasured) {
+  const test::Simulated data = test::simulated("cobot6", 43, 60, 0);
+  Cell model = data.truth;
+  Eigen::Isometry3d home = expSe3(model.arm->gamma);
+  home.translation().x() += 0.02;  // the flange 20 mm aside
+  model.arm->gamma = logSe3(home);
+  const Compared compared = compare(data, model);
+  EXPECT_NEAR(compared.told.position.mean, 0.02, 0.001);
+}
+
+}  // namespace
+}  // namespace poecal
