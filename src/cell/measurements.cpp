@@ -32,12 +32,25 @@ void Measurements::addPicture(const Sample& sample, const std::vector<Corner>& c
 
 void Measurements::addPose(const Sample& sample, const Eigen::Isometry3d& T_instrument_tool, std::optional<double> sigma_position,
                            std::optional<double> sigma_rotation) {
-  const bool stated = sigma_position && sigma_rotation;
+  addMeasured(
+      {.sample = sample, .T_instrument_tool = T_instrument_tool, .sigma_position = sigma_position, .sigma_rotation = sigma_rotation});
+}
+
+void Measurements::addPosition(const Sample& sample, const Eigen::Vector3d& p_instrument, std::optional<double> sigma_position) {
+  Eigen::Isometry3d T_instrument_tool = Eigen::Isometry3d::Identity();
+  T_instrument_tool.translation() = p_instrument;
+  addMeasured({.sample = sample,
+               .T_instrument_tool = T_instrument_tool,
+               .position_only = true,
+               .sigma_position = sigma_position,
+               .sigma_rotation = std::nullopt});
+}
+
+void Measurements::addMeasured(const MeasuredPose& measured) {
+  const bool stated = measured.sigma_position && (measured.sigma_rotation || measured.position_only);
   sigmas_stated = stated && (sigmas_stated || observations.empty());
-  samples.push_back(sample);
-  Observation observation = poseObservation(
-      {.sample = sample, .T_instrument_tool = T_instrument_tool, .sigma_position = sigma_position, .sigma_rotation = sigma_rotation},
-      kStartPosition, kStartRotation);
+  samples.push_back(measured.sample);
+  Observation observation = poseObservation(measured, kStartPosition, kStartRotation);
   observation.sample = samples.size() - 1;
   observations.push_back(std::move(observation));
 }
@@ -66,13 +79,7 @@ Measurements measurementsOf(const Capture& capture, const Detections& detections
 Measurements measurementsOf(const PoseTable& table) {
   Measurements measurements;
   measurements.other_columns = table.other_columns;
-  measurements.observations = poseObservations(table, kStartPosition, kStartRotation);
-  measurements.sigmas_stated = !table.poses.empty();
-  for (const MeasuredPose& pose : table.poses) {
-    measurements.samples.push_back(pose.sample);
-    const bool stated = pose.sigma_position && (pose.sigma_rotation || pose.position_only);
-    measurements.sigmas_stated = measurements.sigmas_stated && stated;
-  }
+  for (const MeasuredPose& pose : table.poses) measurements.addMeasured(pose);
   return measurements;
 }
 

@@ -71,8 +71,11 @@ TEST(Calibrate, ACornerThatTheTargetDoesNotHaveIsRefused) {
   const test::SmallCell small = test::smallCell(14, 1, kSigma, {});
   Measurements measurements;
   measurements.target = small.target;
-  EXPECT_THAT([&] { measurements.addPicture(small.samples.front(), {{.id = {.tag = 9, .corner = 0}, .px = {1.0, 1.0}}}); },
-              ThrowsMessage<InvalidArgument>(HasSubstr("tag 9, corner 0 is not on the target")));
+  EXPECT_THAT(
+      [&] {
+        measurements.addPicture(small.samples.front(), {{.id = {.tag = 9, .corner = 0}, .px = {1.0, 1.0}}});
+      },
+      ThrowsMessage<InvalidArgument>(HasSubstr("tag 9, corner 0 is not on the target")));
   EXPECT_THAT(measurements.samples, IsEmpty());
 }
 
@@ -126,8 +129,8 @@ TEST_F(IdentifiedFolder, AnotherArmOrTargetIsRefused) {
 
 TEST_F(IdentifiedFolder, TheResultsOfAnotherCaptureAreRefused) {
   const test::SmallCell elsewhere = test::smallCell(17, 20, kSigma, {});  // the same kind of arm with other errors
-  folder_.write("model.yaml", modelYaml(*calibrate(nominalOf(elsewhere), handedOver(elsewhere),
-                                                   {.last = CalibrationStep::kIdentification}).model));
+  folder_.write("model.yaml",
+                modelYaml(*calibrate(nominalOf(elsewhere), handedOver(elsewhere), {.last = CalibrationStep::kIdentification}).model));
   EXPECT_THAT([this] { requireIdentifiedHere(); }, ThrowsMessage<FileError>(HasSubstr("the results of another capture?")));
 }
 

@@ -36,8 +36,14 @@ struct Measurements {
   void addPose(const Sample& sample, const Eigen::Isometry3d& T_instrument_tool, std::optional<double> sigma_position = std::nullopt,
                std::optional<double> sigma_rotation = std::nullopt);
 
+  /// Adds a position of the tool that an instrument measured, its deviation per axis [m].
+  void addPosition(const Sample& sample, const Eigen::Vector3d& p_instrument, std::optional<double> sigma_position = std::nullopt);
+
   /// `groups`, or where that is empty the observations grouped as poseGroups() groups their samples.
   std::vector<std::vector<std::size_t>> poseGroups() const;
+
+  /// Adds a row of a table of poses.
+  void addMeasured(const MeasuredPose& measured);
 };
 
 /// The corners of a capture. Pictures without corners of the target give no observation.
