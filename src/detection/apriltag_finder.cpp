@@ -26,7 +26,7 @@ class AprilTagFinder : public CornerFinder {
     if (target.type == TargetType::kAprilGrid) grid_ = target;
   }
 
-  Finding find(const cv::Mat& grey) override {
+  FoundCorners find(const cv::Mat& grey) override {
     std::vector<TagDetection> tags = detector_.detect(grey, quad_decimate_, true);
     if (!allWantedIn(tags)) {
       // Slower by an order of magnitude, so only where the quick pass has missed something.
@@ -34,7 +34,7 @@ class AprilTagFinder : public CornerFinder {
       addUnseen(more, tags);
       tags = std::move(more);
     }
-    Finding finding = choose(tags);
+    FoundCorners finding = choose(tags);
     if (grid_) settleGridCorners(*grid_, grey, finding.corners);
     if (refiner_) finding.look = refine(grey, finding.corners);
     if (refiner_ && grid_ && !finding.look) dropLoneTag(finding);
@@ -48,10 +48,10 @@ class AprilTagFinder : public CornerFinder {
     return missing.empty();
   }
 
-  Finding choose(const std::vector<TagDetection>& tags) {
+  FoundCorners choose(const std::vector<TagDetection>& tags) {
     std::map<int, std::vector<const TagDetection*>> by_id;
     for (const TagDetection& tag : tags) by_id[tag.id].push_back(&tag);
-    Finding finding;
+    FoundCorners finding;
     for (auto& [id, seen] : by_id) {
       // What was read without correction is the tag; what needed correction beside it is clutter.
       const auto fewest = [](const TagDetection* a, const TagDetection* b) { return a->corrected_bits < b->corrected_bits; };
@@ -88,7 +88,7 @@ class AprilTagFinder : public CornerFinder {
   }
 
   /// Kalibr's black squares draw the corners of tags away by pixels; where only one is in view, its fit alone could have told.
-  static void dropLoneTag(Finding& finding) {
+  static void dropLoneTag(FoundCorners& finding) {
     if (finding.corners.size() != 4) return;
     finding.notes.push_back(fmt::format("tag {} stands alone and does not fit the picture", finding.corners.front().id.tag));
     finding.corners.clear();

@@ -24,7 +24,7 @@ class CharucoFinder : public CornerFinder {
     parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   }
 
-  Finding find(const cv::Mat& grey) override {
+  FoundCorners find(const cv::Mat& grey) override {
     std::vector<std::vector<cv::Point2f>> markers;
     std::vector<int> marker_ids;
     cv::aruco::detectMarkers(grey, dictionary_, markers, marker_ids, parameters_);
@@ -34,7 +34,7 @@ class CharucoFinder : public CornerFinder {
     cv::aruco::interpolateCornersCharuco(markers, marker_ids, grey, board_, corners, ids);
     // OpenCV 4.6 has refined these already and returns them 0.5 px off in both axes; from there our own pass finds the saddle.
     if (!corners.empty()) refineSaddles(grey, corners, clearance(markers));
-    Finding finding;
+    FoundCorners finding;
     for (std::size_t k = 0; k < ids.size(); ++k) {
       finding.corners.push_back({{-1, ids[k]}, {static_cast<double>(corners[k].x), static_cast<double>(corners[k].y)}});
     }

@@ -15,7 +15,7 @@ class ChessboardFinder : public CornerFinder {
  public:
   explicit ChessboardFinder(const Target& target) : size_(target.cols, target.rows) {}
 
-  Finding find(const cv::Mat& grey) override {
+  FoundCorners find(const cv::Mat& grey) override {
     std::vector<cv::Point2f> corners;
     constexpr int kFlags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
     if (!cv::findChessboardCorners(grey, size_, corners, kFlags)) {
@@ -24,7 +24,7 @@ class ChessboardFinder : public CornerFinder {
     // Half a typical side keeps most of each window clear of the next corner, and the customary 11 px wherever squares allow it.
     refineSaddles(grey, corners, 0.5 * typicalSide(corners));
     if (colourTellsEnds() && !firstSquareIsDark(grey, corners)) std::reverse(corners.begin(), corners.end());
-    Finding finding;
+    FoundCorners finding;
     for (std::size_t k = 0; k < corners.size(); ++k) {
       finding.corners.push_back({{-1, static_cast<int>(k)}, {static_cast<double>(corners[k].x), static_cast<double>(corners[k].y)}});
     }

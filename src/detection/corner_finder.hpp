@@ -14,7 +14,7 @@
 namespace poecal {
 
 /// Corners of one picture, sorted by id, and what there is to say about it.
-struct Finding {
+struct FoundCorners {
   std::vector<Corner> corners;
   std::vector<std::string> notes;                  ///< one sentence each; there is one where `corners` is empty
   std::optional<PictureLook> look = std::nullopt;  ///< where a tag was fitted to the picture
@@ -25,7 +25,7 @@ class CornerFinder {
  public:
   virtual ~CornerFinder() = default;
   /// @param grey  8-bit, one channel.
-  virtual Finding find(const cv::Mat& grey) = 0;
+  virtual FoundCorners find(const cv::Mat& grey) = 0;
 };
 
 std::unique_ptr<CornerFinder> makeAprilTagFinder(const Target& target, const DetectOptions& options);

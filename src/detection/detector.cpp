@@ -42,9 +42,9 @@ class FinderPool {
     idle_.push_back(makeFinder(target, options));
   }
 
-  Finding find(const cv::Mat& grey) {
+  FoundCorners find(const cv::Mat& grey) {
     std::unique_ptr<CornerFinder> finder = take();
-    Finding finding = finder->find(grey);
+    FoundCorners finding = finder->find(grey);
     const std::lock_guard lock(mutex_);
     idle_.push_back(std::move(finder));
     return finding;
@@ -77,7 +77,7 @@ bool isReadable(const PictureFinding& finding) { return finding.width > 0; }
 PictureFinding search(const PictureFile& file, FinderPool& finders) {
   const Picture picture = decodePicture(file);
   if (picture.grey.empty()) return unreadable(picture.problem);
-  Finding found = finders.find(picture.grey);
+  FoundCorners found = finders.find(picture.grey);
   return {std::move(found.corners), std::move(found.notes), picture.grey.cols, picture.grey.rows, found.look};
 }
 

@@ -54,6 +54,7 @@ TEST_F(FakeTree, KeepsEveryRule) {
   EXPECT_THAT(includesAgainstTheOrder(root()), IsEmpty());
   EXPECT_THAT(librariesInPublicHeaders(root()), IsEmpty());
   EXPECT_THAT(forgottenFiles(root()), IsEmpty());
+  EXPECT_THAT(typesOfTheSameName(root()), IsEmpty());
   EXPECT_THAT(strayTopLevelEntries(root()), IsEmpty());
 }
 
@@ -101,6 +102,18 @@ TEST_F(FakeTree, WordsAreSeenOutsideTestsAlone) {
   tree_.write("apps/demo.sh", "#!/bin/sh\nls ../elsewhere/data\n");
   tree_.write("tests/run.sh", "ls ../elsewhere/data\n");
   EXPECT_THAT(occurrencesOutsideTests(root(), "elsewhere/"), ElementsAre("apps/demo.sh:2: names elsewhere/"));
+}
+
+TEST_F(FakeTree, TypesOfTheSameNameAreSeen) {
+  tree_.write("include/poecal/low/a.hpp",
+              "namespace poecal {\nstruct Finding {\n  struct Part {};\n};\nclass Other;\n}  // namespace poecal\n");
+  tree_.write("src/low/secret.hpp",
+              "namespace poecal {\nclass Finding : public Base {\n};\nenum class Part { kOne };\n}  // namespace poecal\n");
+  tree_.write("src/low/a.cpp",
+              "namespace poecal {\nnamespace {\nstruct Part {};\n}  // namespace\nstruct Other::Part {};\n}  // namespace poecal\n");
+  tree_.write("src/high/b.cpp", "namespace poecal {\nenum class Part { kTwo };\n}  // namespace poecal\n");
+  EXPECT_THAT(typesOfTheSameName(root()), ElementsAre("src/low/secret.hpp:2: Finding is a type of include/poecal/low/a.hpp:2 too",
+                                                      "src/low/secret.hpp:4: Part is a type of src/high/b.cpp:2 too"));
 }
 
 TEST_F(FakeTree, StrayEntriesAreSeen) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -81,6 +82,20 @@ std::string faultOf(const std::string& name, bool in_public_header, const std::s
 std::string withoutComment(const std::string& line) { return line.substr(0, line.find("//")); }
 
 bool isPartOfAName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+
+/// What a definition of a type at the start of a line defines, or empty: "struct Name {", "class Name : public Base {", "enum class Name
+/// {".
+std::string typeDefinedBy(const std::string& line) {
+  for (const std::string_view keyword : {"struct ", "enum class ", "class "}) {
+    if (!line.starts_with(keyword)) continue;
+    const auto end = std::find_if_not(line.begin() + static_cast<std::ptrdiff_t>(keyword.size()), line.end(), isPartOfAName);
+    const std::string rest(end, line.end());
+    const bool member = rest.starts_with("::"), specialisation = rest.starts_with("<"), declaration = rest.find('{') == std::string::npos;
+    if (member || specialisation || declaration) return "";
+    return {line.begin() + static_cast<std::ptrdiff_t>(keyword.size()), end};
+  }
+  return "";
+}
 
 /// A library's namespace that `code` names, or empty. cv::Mat is how pictures enter; it needs no header of OpenCV.
 std::string foreignNameIn(const std::string& code) {
@@ -211,9 +226,31 @@ Violations occurrencesOutsideTests(const fs::path& root, const std::string& text
   return violations;
 }
 
+Violations typesOfTheSameName(const fs::path& root) {
+  std::map<std::string, std::string> place_of_type;
+  Violations violations;
+  for (const char* folder : {"include", "src", "apps"}) {
+    for (const fs::path& file : filesBelow(root, folder)) {
+      if (!isHeader(file) && !isSource(file)) continue;
+      bool unnamed = false;  // namespace: what it holds has no namesake elsewhere
+      forEachLine(root / file, [&](int number, const std::string& line) {
+        if (line == "namespace {") unnamed = true;
+        if (line == "}  // namespace") unnamed = false;
+        const std::string name = unnamed ? "" : typeDefinedBy(line);
+        if (name.empty()) return;
+        const std::string here = file.string() + ":" + std::to_string(number);
+        const auto [earlier, fresh] = place_of_type.emplace(name, here);
+        if (!fresh) violations.push_back(place(file, number) + name + " is a type of " + earlier->second + " too");
+      });
+    }
+  }
+  return violations;
+}
+
 Violations strayTopLevelEntries(const fs::path& root) {
-  const std::set<std::string> meant{"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "apps", "build",
-                                    "calib_data",     "include",           "out",     "src",       "tests"};
+  const std::set<std::string> meant{"CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "CONTRIBUTING.md", "LICENSE", "README.md",
+                                    "apps",         "build",          "calib_data",        "include",         "out",     "src",
+                                    "tests"};
   Violations violations;
   for (const fs::directory_entry& entry : fs::directory_iterator(root)) {
     const std::string name = entry.path().filename().string();

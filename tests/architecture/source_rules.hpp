@@ -26,6 +26,10 @@ Violations forgottenFiles(const std::filesystem::path& root);
 /// Files outside tests/ in which `text` occurs.
 Violations occurrencesOutsideTests(const std::filesystem::path& root, const std::string& text);
 
+/// Types outside unnamed namespaces that have the name of another one in another file of include/, src/ or apps/: in one namespace two
+/// definitions of a name are undefined behaviour that no compiler sees, and in two they mislead the reader.
+Violations typesOfTheSameName(const std::filesystem::path& root);
+
 /// What the top level holds besides the build's and git's folders and the few entries that it is meant to hold.
 Violations strayTopLevelEntries(const std::filesystem::path& root);
 

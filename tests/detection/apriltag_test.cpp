@@ -47,7 +47,7 @@ TEST_P(RenderedTag, CornersAreInOrderAndAtOpenCvsPixels) {
     const test::Quad truth = test::tiltedSquare(centre, rng.uniform(70.0, 110.0), rng.uniform(-3.1, 3.1), rng.uniform(0.0, 0.7));
     cv::Mat picture = test::tagPicture(family, 7, truth, {240, 240});
     test::degrade(picture, rng, 0.7, 1.0);
-    const Finding finding = finder->find(picture);
+    const FoundCorners finding = finder->find(picture);
     ASSERT_EQ(finding.corners.size(), 4u) << "trial " << trial;
     for (int corner = 0; corner < 4; ++corner) {
       EXPECT_EQ(finding.corners[corner].id, (PointId{7, corner}));
@@ -91,7 +91,7 @@ TEST(AprilTag, StrangersAndTwinsAreNamed) {
   draw(20, 420, 60);
   DetectOptions options;
   options.other_tags = {20};
-  const Finding finding =
+  const FoundCorners finding =
       makeAprilTagFinder(apriltagTarget("tag36h11", {{7, 0.1, kIdentity}, {3, 0.1, kIdentity}}), options)->find(picture);
   EXPECT_THAT(finding.notes, ElementsAre("tag 3 is seen 2 times and left out", "tag 12 is not the target's"));
   ASSERT_EQ(finding.corners.size(), 4u);
@@ -99,7 +99,7 @@ TEST(AprilTag, StrangersAndTwinsAreNamed) {
 }
 
 TEST(AprilTag, NoTagIsSaid) {
-  const Finding finding = finderOf("tag36h11", {7})->find(cv::Mat(100, 100, CV_8UC1, cv::Scalar(128)));
+  const FoundCorners finding = finderOf("tag36h11", {7})->find(cv::Mat(100, 100, CV_8UC1, cv::Scalar(128)));
   EXPECT_THAT(finding.corners, IsEmpty());
   EXPECT_THAT(finding.notes, ElementsAre("no tag of family tag36h11 was found"));
 }

@@ -45,7 +45,7 @@ TEST(Charuco, RenderedCornersAreAtTheContractsPoints) {
     cv::Mat picture(400, 360, CV_8UC1, cv::Scalar(255));
     test::drawTexture(picture, texture, ends, corners);
     test::degrade(picture, rng, 0.7, 1.0);
-    const Finding finding = finder->find(picture);
+    const FoundCorners finding = finder->find(picture);
     EXPECT_EQ(finding.corners.size(), 24u);
     for (const Corner& corner : finding.corners) {
       const Eigen::Vector2d p = target.find(corner.id)->p_target.head<2>() / 0.04 * kSquarePx - Eigen::Vector2d(0.5, 0.5);
@@ -58,7 +58,7 @@ TEST(Charuco, RenderedCornersAreAtTheContractsPoints) {
 
 TEST(Charuco, NoBoardIsSaid) {
   const auto finder = makeCharucoFinder(charucoTarget(5, 7, 0.04, 0.03, "DICT_5X5_100"));
-  const Finding finding = finder->find(cv::Mat(100, 100, CV_8UC1, cv::Scalar(128)));
+  const FoundCorners finding = finder->find(cv::Mat(100, 100, CV_8UC1, cv::Scalar(128)));
   EXPECT_THAT(finding.corners, IsEmpty());
   EXPECT_EQ(finding.notes.size(), 1u);
 }

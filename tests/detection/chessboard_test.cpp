@@ -48,7 +48,7 @@ TEST(Chessboard, RenderedCornersAreInOrderWhicheverWayTheBoardIsTurned) {
     test::Quad texture_ends;
     cv::Mat picture = boardPicture(6, 5, ends, texture_ends, {400, 400});
     test::degrade(picture, rng, 0.7, 1.0);
-    const Finding finding = finder->find(picture);
+    const FoundCorners finding = finder->find(picture);
     ASSERT_EQ(finding.corners.size(), 30u) << "turn " << turn;
     for (int k = 0; k < 30; ++k) {
       const Eigen::Vector2d p(1.5 + k % 6, 1.5 + k / 6);

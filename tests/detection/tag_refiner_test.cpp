@@ -309,7 +309,7 @@ TEST(TagRefiner, CornersWithoutAFitAreAprilTagsWithTheirOwnSigma) {
   const std::optional<TagDetection> tag = detected(picture);
   ASSERT_TRUE(tag);
   const auto finder = makeAprilTagFinder(apriltagTarget("tag36h11", {{7, 0.1, Eigen::Isometry3d::Identity()}}), {});
-  const Finding finding = finder->find(picture);
+  const FoundCorners finding = finder->find(picture);
   ASSERT_EQ(finding.corners.size(), 4u);
   for (const Corner& corner : finding.corners) {
     EXPECT_THAT(corner.px, test::IsNear(tag->px.col(corner.id.corner).eval(), 0.0));
