@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# apps/install-dependencies.sh [--workflow]: installs the Debian 12 packages that poecal is built and tested with; with --workflow also
-# snakemake (80 packages, 680 MB), without which the tests of apps/workflow skip. Needs no network where they are there already.
+# apps/install-dependencies.sh [--workflow] [--ci]: installs the Debian 12 packages that poecal is built and tested with. --workflow adds
+# snakemake (80 packages, 680 MB), without which the tests of apps/workflow skip; --ci adds what only .ci/run needs. Needs no network where
+# all packages are there already.
 set -euo pipefail
 
 packages=(
@@ -12,14 +13,16 @@ packages=(
   # find_package in apps/ and tests/
   libcli11-dev libgmock-dev libgtest-dev liborocos-kdl-dev
 )
-case ${1:-} in
-  '') ;;
-  --workflow) packages+=(snakemake) ;;
-  *)
-    echo "error: unknown option $1, expected --workflow or nothing" >&2
-    exit 2
-    ;;
-esac
+for option in "$@"; do
+  case $option in
+    --workflow) packages+=(snakemake) ;;
+    --ci) packages+=(clang-format clang-tidy doxygen) ;;
+    *)
+      echo "error: unknown option $option, expected --workflow or --ci" >&2
+      exit 2
+      ;;
+  esac
+done
 if [[ ${POECAL_BUILD_BENCHMARKS:-OFF} == ON ]]; then
   packages+=(libbenchmark-dev)
 fi
