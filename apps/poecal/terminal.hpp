@@ -23,8 +23,8 @@ std::string jsonObject(const std::vector<std::pair<std::string, std::string>>& p
 /// `poecal: warning: MESSAGE` on stderr.
 void warn(const std::string& message);
 
-/// Warnings as warn() says them, of many of one kind the first few; progress as one line that is rewritten, where stderr is a terminal and
-/// nobody asked for quiet.
+/// Warnings as warn() prints them, only the first few of many of one kind. Progress as one line that is rewritten, if stderr is a terminal
+/// and --quiet was not given.
 class TerminalListener : public Listener {
  public:
   explicit TerminalListener(const Common& common);

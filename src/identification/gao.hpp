@@ -13,7 +13,7 @@ namespace poecal {
 
 struct GaoOptions {
   int max_iterations = 50;
-  /// Unit of length of the translation rows [m]. Unweighted least squares hangs on it: in the paper's millimetres rotations hardly count.
+  /// Unit of length of the translation rows [m]. Unweighted least squares depends on it: in the paper's millimetres rotations hardly count.
   double length_unit = 1.0;
 };
 

@@ -186,7 +186,7 @@ class Identifier {
     return adjust(start, some, options).cell;
   }
 
-  /// The fold registrations, which do not hang on the camera's choice.
+  /// The fold registrations, which do not depend on the camera's choice.
   void registerFolds() {
     registered_of_fold_.assign(folds_.size(), registered_);
     parallelFor(folds_.size(), options_.jobs,

@@ -14,7 +14,7 @@ struct Balance {
   LinkMass total() const { return {mass, mass > 0.0 ? Eigen::Vector3d(moment / mass) : Eigen::Vector3d::Zero()}; }
 };
 
-/// Adds the mass of `link` and of all that hangs on it at q = 0, but for the branch through `next`.
+/// Adds the mass of `link` and of all that it carries at q = 0, but for the branch through `next`.
 void addBodies(const urdf::ModelInterface& model, const std::string& link_name, const Eigen::Isometry3d& T_base_link,
                const urdf::Joint* next, Balance& balance) {
   const urdf::LinkConstSharedPtr link = model.getLink(link_name);
@@ -28,7 +28,7 @@ void addBodies(const urdf::ModelInterface& model, const std::string& link_name, 
   }
 }
 
-/// One mass per moving joint: the bodies between it and the next one, with all that hangs on them. Empty if none has a mass.
+/// One mass per moving joint: the bodies between it and the next one, with all that they carry. Empty if none has a mass.
 std::vector<LinkMass> linksOfChain(const urdf::ModelInterface& model, const std::vector<urdf::JointConstSharedPtr>& chain) {
   std::vector<Balance> balances;
   Eigen::Isometry3d T_base_child = Eigen::Isometry3d::Identity();

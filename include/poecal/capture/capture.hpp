@@ -69,7 +69,7 @@ Capture readCapture(const std::filesystem::path& folder);
 /// @param joint_count  0 where no arm is known (q columns are then counted).
 /// @param limits_of    arm for the plausibility checks of the readings, or nullptr.
 SampleTable readSamples(const std::filesystem::path& file, int joint_count, const Arm* limits_of);
-/// Text of samples.csv; columns that no sample has are left out, cells that a sample has not are empty.
+/// Text of samples.csv; columns that no sample has are left out, and cells that a sample lacks are empty.
 std::string samplesCsv(const SampleTable& table);
 
 /// Reads a table of joint readings (q1..qn, and image where pictures are meant) for an arm; its other columns as samples.csv has them.

@@ -35,7 +35,7 @@ struct Detections {
 };
 
 /// Reads detections.csv. @throws FileError with the line: not a number, a corner that the target does not have (say which tags it has),
-/// the same corner of a picture twice, a sigma that is not positive. Columns beyond the contract's are passed over.
+/// the same corner of a picture twice, a sigma that is not positive. Further columns are ignored.
 /// @param also_in_view  a second target (a reference) whose corners the file may hold too: they are left out here. nullptr: none.
 Detections readDetections(const std::filesystem::path& file, const Target& target, const Target* also_in_view = nullptr);
 /// The sigma column is written only where some corner states one.

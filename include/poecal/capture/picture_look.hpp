@@ -1,4 +1,4 @@
-// How sharp and how noisy pictures are, as far as the tags in them tell: the table beside detections.csv.
+// Image quality: how sharp and how noisy pictures are, measured on the tags in them. The table beside detections.csv.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@ namespace poecal {
 
 struct Detections;
 
-/// As a scene's `image:` means blur and noise.
+/// Blur and noise mean the same as in a scene's `image:`.
 struct PictureLook {
   double blur = 0.0;    ///< standard deviation of the lens's point spread, without the pixel's own square [px]
   double noise = 0.0;   ///< standard deviation of a pixel's noise, without its rounding [grey levels of 255]
@@ -26,7 +26,7 @@ std::filesystem::path picturesFile(const std::filesystem::path& detections);
 /// `image,blur,noise,growth`, a row for each picture that has a look.
 std::string picturesCsv(const Detections& detections);
 
-/// Looks in the order of the rows. Columns beyond blur, noise and growth are passed over; growth may be absent and is 0 then.
+/// Looks in the order of the rows. Other columns are ignored; a missing growth is 0.
 /// @throws FileError with the line: not a number, a blur or noise below 0; line 1 where there is no row.
 std::vector<PictureLook> readPictureLooks(const std::filesystem::path& file);
 

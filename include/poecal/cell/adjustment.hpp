@@ -27,11 +27,11 @@ struct FreeParameters {
   bool intrinsics = false;  ///< Camera::parameters()
 };
 
-/// What is believed of the position of T_far_target about its registration, where the arm may move too [m]: nothing where data see it, but
-/// enough to hold what they do not. A SCARA shows the height of its tag by the millirad that its axes are not parallel.
+/// Prior (1 sigma) of T_far_target's position about its registration while the arm is fitted too [m]: too wide to matter where data show
+/// it, enough to hold it where they do not. A SCARA shows the height of its tag by the millirad that its axes are not parallel.
 constexpr double kFarPosition = 0.1;
 
-/// Motion of the far frame's transform from where it started, as kFarPosition judges it: the v of its left perturbation.
+/// Motion of T_far_target from where it started, as the prior kFarPosition counts it: the v of its left perturbation.
 Eigen::Vector3d farMotion(const Cell& cell, const Cell& start);
 
 struct AdjustmentOptions {
@@ -75,7 +75,7 @@ struct Adjustment {
   int rank = 0;                              ///< of the free parameters, with the priors
   double condition_number = 0.0;             ///< of the Jacobian with columns scaled to unit length, over the directions of `rank`
   std::vector<std::vector<double>> weights;  ///< per observation and unit, 0..1
-  /// Directions that the data see no better than their prior does (or not at all), each as the names that carry it.
+  /// Unobservable directions: those that the data show no better than their prior, each as the names that carry it.
   std::vector<std::string> unseen;
 
   double reducedChiSquare() const { return degrees_of_freedom > 0.0 ? chi_square / degrees_of_freedom : 0.0; }

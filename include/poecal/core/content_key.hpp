@@ -1,4 +1,4 @@
-// Fingerprints: whether something was made from the same bytes and options as before.
+// Fingerprints: tell whether something was made from the same bytes and options as before.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace poecal {
 
-/// 128 bits of XXH3 over the program's version and all that was added, in its order. Where one piece ends and the next begins counts too:
+/// 128 bits of XXH3 over the program's version and everything added, in order. The borders between the pieces count too:
 /// ("ab", "c") and ("a", "bc") differ.
 class ContentKey {
  public:

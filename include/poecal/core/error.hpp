@@ -32,8 +32,8 @@ class FileError : public Error {
       : Error(file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + message, 3) {}
 };
 
-/// Input that reads well and cannot be true: joints in degrees, mirrored corners. what() says what is suspected; who knows the file turns
-/// it into a FileError. Exit status 3.
+/// Input that is well-formed but cannot be true: joints in degrees, mirrored corners. what() names the suspected mistake; code that knows
+/// the file makes it a FileError. Exit status 3.
 class ImplausibleInput : public Error {
  public:
   explicit ImplausibleInput(const std::string& message) : Error(message, 3) {}

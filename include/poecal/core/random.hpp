@@ -13,7 +13,7 @@ class Rng {
   /// Uniform in [0, 1).
   double uniform();
   double uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
-  /// Standard normal (polar method, so that the sequence does not hang on the standard library).
+  /// Standard normal (polar method, so that the sequence does not depend on the standard library).
   double normal();
   /// Uniform integer in [0, count). @throws InvalidArgument if count is 0.
   std::size_t below(std::size_t count);

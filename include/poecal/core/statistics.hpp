@@ -10,7 +10,7 @@ namespace poecal {
 double median(std::vector<double> values);
 /// Quantile by linear interpolation between order statistics, p in [0, 1]. @throws InvalidArgument if empty or p outside.
 double quantile(std::vector<double> values, double p);
-/// 1.4826 median |x - median x|: the standard deviation of a normal sample, unmoved by up to half of it being wild.
+/// 1.4826 median |x - median x|: the standard deviation of a normal sample, whatever up to half of the values are.
 double robustSigma(const std::vector<double>& values);
 /// sqrt(sum x^2 / N); 0 for an empty sample.
 double rms(const std::vector<double>& values);

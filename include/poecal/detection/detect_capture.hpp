@@ -6,7 +6,7 @@
 
 namespace poecal {
 
-/// detect() for every sample's picture. Corners of the reference stand beside the target's; their names differ, which readCapture sees to.
+/// detect() for every sample's picture. Corners of the reference stand beside the target's; readCapture makes sure that their names differ.
 /// A picture's look is that of the target's tags, and of the reference's where none of those was fitted.
 /// Where the capture has a camera, pictures of another size fail. Notes that only concern the reference begin with "reference: ".
 /// @param options  expected sizes and other_tags are filled in from the capture.

@@ -27,7 +27,7 @@ struct DetectOptions {
   void validate() const;           ///< @throws InvalidArgument with the field's name and value.
 };
 
-/// What a picture had to say besides its corners.
+/// A remark about one picture.
 struct PictureNote {
   std::string image;
   std::string message;  ///< one sentence: unreadable, another size, no tag, tag 12 is not the target's, tag 7 seen twice
@@ -51,8 +51,8 @@ struct DetectResult {
 /// Tags: a quick pass with quad_decimate, and where a tag of the target is missing a thorough one in the full picture.
 /// Their corners are then fitted to the picture (options.refine). Each states its sigma: the fit's, or that of AprilTag's own corners; what
 /// the fits say of blur, noise and growth is the picture's look, by the median of its tags.
-/// The only tag of an aprilgrid in a picture is left out where it cannot be fitted: black squares at its corners draw them away by pixels.
-/// A tag id seen twice in one picture gives no corners for that id. A picture that fails alone is a note. Where no tag was seen at all but
+/// The only tag of an aprilgrid in a picture is left out where it cannot be fitted: black squares at its corners pull them off by pixels.
+/// A tag id seen twice in one picture gives no corners for that id. A picture that fails gives a note. Where no tag was seen at all but
 /// tags of another family are there, the last note says so.
 /// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;
 /// others look the same after half a turn and start where OpenCV starts.

@@ -1,4 +1,4 @@
-// Corners that were found before, kept in a file: what was detected is not detected again, and a killed run goes on where it was.
+// Corners that were found before, kept in a file: no picture is searched twice, and a killed run continues where it stopped.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace poecal {
 
 struct DetectOptions;
 
-/// What one picture gave.
+/// What was found in one picture.
 struct PictureFinding {
   std::vector<Corner> corners;     ///< sorted by id
   std::vector<std::string> notes;  ///< one sentence each; there is one where `corners` is empty
@@ -24,8 +24,8 @@ struct PictureFinding {
   std::optional<PictureLook> look = std::nullopt;
 };
 
-/// Findings by pictureKey(). Each is appended to the file as its picture is finished; a line that does not bear out its own checksum, such
-/// as the last one of a killed program, counts for nothing. All but the constructors and finish() may be called from any thread.
+/// Findings by pictureKey(). Each is appended to the file as its picture is finished; a line whose checksum is wrong, such as
+/// the last one of a killed program, is ignored. All but the constructors and finish() may be called from any thread.
 class KnownCorners {
  public:
   /// Reads what `file` knows; what is added goes there. The file need not exist yet.
@@ -54,7 +54,7 @@ class KnownCorners {
 };
 
 /// Everything but the picture that decides what detect() finds in it: target, quad_decimate, refine, camera, other_tags, and the versions
-/// of poecal and OpenCV. Not the expected size, which is held against the finding later.
+/// of poecal and OpenCV. Not the expected size, which is checked afterwards.
 std::string detectionKey(const Target& target, const DetectOptions& options);
 
 /// The key of what a picture shows. @param detection_key  detectionKey(). @param bytes  of the picture's file.

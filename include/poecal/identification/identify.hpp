@@ -34,10 +34,10 @@ struct IdentifyOptions {
   CameraChoice camera = CameraChoice::kAuto;
   bool robust = true;
   double gao_length_unit = 1.0;  ///< gao only: unit of length [m] that its unweighted rows mix with radians; the paper's is 1e-3
-  /// Every how-manieth pose is held out to judge the fit, in as many turns, so that each pose judges once; 0: none. The model itself is
-  /// then fitted to all poses.
+  /// Number n of cross-validation folds: every n-th pose is held out to judge a fit, in n turns, so that each pose judges once; 0: none.
+  /// The model itself is fitted to all poses.
   int hold_out_every = 5;
-  /// Each pose is held out alone instead. Done by itself where there are at most 25 poses.
+  /// Each pose is held out alone instead. Automatic where there are at most 25 poses.
   bool leave_one_out = false;
   bool registered = false;          ///< poses are T_base_flange already: both transforms are identity
   int jobs = 1;                     ///< fits worked on at a time (0: one per core); the result does not depend on it

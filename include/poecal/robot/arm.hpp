@@ -73,7 +73,7 @@ Eigen::Isometry3d forwardKinematics(const Arm& arm, const Eigen::VectorXd& q);
 /// @see Lynch and Park, Modern Robotics (2017), 5.1.1.
 Matrix6Xd spaceJacobian(const Arm& arm, const ArmChain& chain);
 
-/// Directions eta, 6 x 4 (revolute) or 6 x 2 (prismatic), in which the adjoint xi <- Ad(exp(eta)) xi really moves a joint.
+/// Directions eta, 6 x 4 (revolute) or 6 x 2 (prismatic), in which the adjoint xi <- Ad(exp(eta)) xi moves a joint at all.
 ///
 /// Revolute: two tilts about the anchor and two shifts across the axis; what is left out, turning about and sliding along the
 /// axis, changes nothing. Prismatic: two tilts. Columns: tilt a, tilt b, shift a, shift b, with (a, b, axis) right-handed;
@@ -92,10 +92,10 @@ std::vector<std::string> twistParameterNames(const Arm& arm);
 /// @param beta  twistParameterCount(nominal) values. @throws InvalidArgument if there are more or fewer.
 Arm displaceTwists(const Arm& nominal, const Eigen::VectorXd& beta);
 
-/// What tells two positions of one axis apart, whatever points name them.
+/// The difference between two positions of one axis, whichever points on it are given.
 struct AxisOffset {
   double tilt = 0.0;   ///< Angle between the directions [rad], 0..pi.
-  double shift = 0.0;  ///< Revolute: distance of the anchor of `from` to the axis of `to` [m]. Prismatic: 0, such an axis has no place.
+  double shift = 0.0;  ///< Revolute: distance of the anchor of `from` to the axis of `to` [m]. Prismatic: 0, it has no position.
 };
 
 AxisOffset axisOffset(const Joint& from, const Joint& to);

@@ -1,4 +1,4 @@
-// What gravity does to the arm: torques about the joints, the load that each joint carries, and how it hangs on the masses.
+// What gravity does to the arm: torques about the joints, the load that each joint carries, and how they depend on the masses.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@ struct GravityLoad {
   /// direction of tau; a drive at rest holds -tau.
   Eigen::VectorXd torque;
   /// n columns (moment about the place of joint k's anchor; force) of gravity on all bodies from k on, in base [N m; N]:
-  /// what joint k hands on to the body before it.
+  /// what joint k passes on to the body before it.
   Matrix6Xd carried;
   /// Moment about the origin of base and force of gravity on the whole arm, in base [N m; N].
   Vector6d base = Vector6d::Zero();

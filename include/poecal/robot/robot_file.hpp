@@ -17,13 +17,13 @@ Arm readRobotYaml(const std::filesystem::path& file);
 std::string robotYaml(const Arm& arm);
 
 /// Reads the chain base_link .. tip_link of a URDF: fixed joints are folded in, continuous joints are revolute ones without limits,
-/// inertials become links (the mass of a body on fixed joints goes to the joint that carries it, and so does that of side branches such as
-/// gripper fingers, as they stand at zero; none given at all: no links). A joint whose <limit> names no range has no limits.
+/// inertials become links. The mass of a body behind fixed joints, or on a side branch such as a gripper finger (at zero), counts for the
+/// joint that carries it; without any inertial there are no links. A joint whose limits name no range has none.
 /// @throws FileError: unreadable URDF, a link that is not there (the message lists those that are), a tip that does not lie below the base,
 /// a mimic, floating or planar joint inside the chain, no moving joint.
 Arm readUrdf(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link);
 
-/// Where the chains of a URDF begin and end.
+/// The links at which the chains of a URDF begin and end.
 struct UrdfEnds {
   std::string root;
   /// Links that carry no joint, by name.

@@ -34,7 +34,7 @@ struct Scene {
   Target target;                     ///< the true target
   Target stated_target;              ///< what the capture is told
   Registration registration;
-  std::vector<AppliedEffect> effects;  ///< what else is wrong with the cell; nobody tells the capture
+  std::vector<AppliedEffect> effects;  ///< further flaws of the cell, of which the capture is not told
   int count = 60;                      ///< poses; ignored where samples come from a file
   std::uint64_t seed = 1;              ///< of the samples, the pictures and the noise
   int repeats = 1;                     ///< shots per pose
@@ -50,7 +50,7 @@ struct Scene {
 /// first again when they are used up.
 ImageOptions imageOptions(const Scene& scene, std::size_t index);
 
-/// Reads scene.yaml (format poecal-scene/1). Keys as in the contract, and
+/// Reads scene.yaml (format poecal-scene/1); calib_data/FORMATS.md has all keys. Among them
 ///   setup: eye_in_hand (default eye_to_hand); base_link, tip_link beside a URDF robot; stated_target: other.yaml;
 ///   intrinsics: {target: board.yaml, count: 15}: pictures of a board for the capture's intrinsics folder, and no camera.yaml in the
 ///   capture; registration: with T_camera_flange and T_base_target where setup is eye_in_hand.
