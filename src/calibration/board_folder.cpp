@@ -1,6 +1,7 @@
 #include "poecal/calibration/board_folder.hpp"
 
 #include "poecal/core/csv.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/board_pictures.hpp"
 #include "poecal/detection/known_corners.hpp"
@@ -9,9 +10,9 @@ namespace poecal {
 namespace {
 
 std::string residualsCsv(const IntrinsicsResult& result) {
-  CsvWriter csv({"image", "points", "rms_px", "max_px", "bad"});
+  CsvWriter csv({"image", "points", "outliers", "rms_px", "max_px", "bad"});
   for (const ViewResidual& view : result.views) {
-    csv.cell(view.image).cell(view.points);
+    csv.cell(view.image).cell(view.points).cell(view.outliers);
     // A picture that took no part has no residuals, which is not the same as none of any size.
     if (view.used) {
       csv.cell(view.rms_px).cell(view.max_px);
@@ -21,6 +22,17 @@ std::string residualsCsv(const IntrinsicsResult& result) {
     csv.cell(view.bad ? 1 : 0).endRow();
   }
   return csv.str();
+}
+
+/// calibrateIntrinsics(); where that fails, what each picture has to say comes first, and the last of it again with the error.
+IntrinsicsResult calibrateOrSayWhyNot(const BoardPictures& pictures, const IntrinsicsOptions& options, Listener& listener) {
+  try {
+    return calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
+  } catch (const InsufficientData& error) {
+    const std::vector<std::string> notes = texts(pictures.notes);
+    listener.warnings(notes);
+    throw InsufficientData(error.what() + (notes.empty() ? std::string() : " (" + notes.back() + ")"));
+  }
 }
 
 }  // namespace
@@ -36,12 +48,12 @@ IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const
   detect_options.progress = listener.progressFunction();
   KnownCorners known(camera_file.parent_path() / ".stages" / "board-corners");
   BoardPictures pictures = readBoardPictures(folder, detect_options, &known);
-  IntrinsicsResult result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
+  IntrinsicsResult result = calibrateOrSayWhyNot(pictures, options, listener);
   // Edges of tags are fitted as a whole, bent as the lens bends them: their corners depend on the lens that they are found with.
   if (pictures.target.hasTags()) {
     detect_options.camera = result.chosen().camera;
     pictures = readBoardPictures(folder, detect_options, &known);
-    result = calibrateIntrinsics(pictures.views, pictures.width, pictures.height, options);
+    result = calibrateOrSayWhyNot(pictures, options, listener);
   }
   known.finish();
   listener.warnings(texts(pictures.notes));

@@ -65,7 +65,8 @@ void requireTarget(const Capture& capture, const DetectResult& result) {
 
 Capture openCapture(const CaptureSource& source) {
   Capture capture = readCapture(source.folder);
-  if (!source.intrinsics.empty()) capture.camera = readCamera(source.intrinsics);
+  if (!source.intrinsics.empty()) capture.camera = readCameraOfPictures(source.intrinsics);
+  takeSizeFromPictures(capture);
   if (!source.detections.empty()) capture.detections_file = source.detections;
   return capture;
 }
@@ -75,6 +76,7 @@ std::filesystem::path knownCornersFile(const std::filesystem::path& folder) { re
 LoadedCapture loadCapture(const CaptureSource& source, const std::filesystem::path& out, int jobs, Listener& listener) {
   LoadedCapture loaded;
   loaded.capture = openCapture(source);
+  if (loaded.capture.camera) listener.warnings(loaded.capture.camera->remarks);
   const Capture& capture = loaded.capture;
   loaded.nominal.camera = cameraOf(capture, out, jobs, listener);
   if (capture.table.has_joints) loaded.nominal.arm = capture.arm;

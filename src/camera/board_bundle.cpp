@@ -15,6 +15,8 @@ struct ViewEquations {
   Matrix6d H_pose = Matrix6d::Zero();
   Vector6d g_pose = Vector6d::Zero();
   Eigen::MatrixXd H_camera_pose;  ///< free parameters x 6
+  Eigen::MatrixXd H_camera;       ///< this picture's share
+  Eigen::VectorXd g_camera;
 };
 
 /// J^T J and J^T r of the whole problem, in blocks.
@@ -31,31 +33,48 @@ struct Step {
   double predicted_decrease = 0.0;  ///< of the squared error, by the linearised problem
 };
 
-std::optional<Equations> linearise(const std::vector<const BoardView*>& views, const BoardBundle& at, const std::vector<int>& free) {
+/// What is minimised.
+struct Problem {
+  const std::vector<const BoardView*>& views;
+  const std::vector<int>& free;
+  const CornerWeights& weights;
+
+  double weight(std::size_t view, Eigen::Index corner) const { return weights.empty() ? 1.0 : weights[view](corner); }
+};
+
+std::optional<Equations> linearise(const Problem& problem, const BoardBundle& at) {
+  const std::vector<const BoardView*>& views = problem.views;
+  const std::vector<int>& free = problem.free;
   const auto count = static_cast<Eigen::Index>(free.size());
   Equations equations;
   equations.H_camera.setZero(count, count);
   equations.g_camera.setZero(count);
   equations.views.resize(views.size());
-  Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 12> J_camera(2, count);
+  Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, Camera::kMaxParameters> J_camera(2, count);
   Eigen::Matrix<double, 2, 6> J_pose;
   for (std::size_t v = 0; v < views.size(); ++v) {
     ViewEquations& view = equations.views[v];
     view.H_camera_pose.setZero(count, 6);
+    view.H_camera.setZero(count, count);
+    view.g_camera.setZero(count);
     for (Eigen::Index i = 0; i < views[v]->points.cols(); ++i) {
       const Eigen::Vector3d p_camera = at.T_camera_target[v] * views[v]->points.col(i);
       const std::optional<Projection> projection = projectWithJacobians(at.camera, p_camera);
       if (!projection) return std::nullopt;
-      const Eigen::Vector2d r = projection->px - views[v]->pixels.col(i);
+      const double root = std::sqrt(problem.weight(v, i));
+      const Eigen::Vector2d r = root * (projection->px - views[v]->pixels.col(i));
       J_pose << -projection->J_px_p * hat(p_camera), projection->J_px_p;
-      for (Eigen::Index k = 0; k < count; ++k) J_camera.col(k) = projection->J_px_parameters.col(free[static_cast<std::size_t>(k)]);
+      J_pose *= root;
+      for (Eigen::Index k = 0; k < count; ++k) J_camera.col(k) = root * projection->J_px_parameters.col(free[static_cast<std::size_t>(k)]);
       equations.squared_error += r.squaredNorm();
-      equations.H_camera.noalias() += J_camera.transpose() * J_camera;
-      equations.g_camera.noalias() += J_camera.transpose() * r;
+      view.H_camera.noalias() += J_camera.transpose() * J_camera;
+      view.g_camera.noalias() += J_camera.transpose() * r;
       view.H_camera_pose.noalias() += J_camera.transpose() * J_pose;
       view.H_pose.noalias() += J_pose.transpose() * J_pose;
       view.g_pose.noalias() += J_pose.transpose() * r;
     }
+    equations.H_camera += view.H_camera;
+    equations.g_camera += view.g_camera;
   }
   if (!std::isfinite(equations.squared_error)) return std::nullopt;
   return equations;
@@ -102,13 +121,31 @@ BoardBundle moved(const BoardBundle& from, const Step& step, const std::vector<i
   return to;
 }
 
-/// The camera's information with the poses marginalised.
-Eigen::MatrixXd schurComplement(const Equations& equations) {
-  Eigen::MatrixXd S = equations.H_camera;
-  for (const ViewEquations& view : equations.views) {
-    S.noalias() -= view.H_camera_pose * view.H_pose.ldlt().solve(view.H_camera_pose.transpose());
-  }
+/// The camera's information from one picture, its pose marginalised.
+Eigen::MatrixXd schurComplement(const ViewEquations& view) {
+  const Eigen::MatrixXd S = view.H_camera - view.H_camera_pose * view.H_pose.ldlt().solve(view.H_camera_pose.transpose());
   return 0.5 * (S + S.transpose());
+}
+
+void setInformation(const Equations& equations, BoardBundleFit& fit) {
+  const Eigen::Index count = equations.H_camera.rows();
+  fit.information.setZero(count, count);
+  std::vector<Eigen::MatrixXd> parts;
+  for (const ViewEquations& view : equations.views) {
+    parts.push_back(schurComplement(view));
+    fit.information += parts.back();
+  }
+  if (count == 0) return;
+  const Eigen::LDLT<Eigen::MatrixXd> information(fit.information);
+  double pulled = 0.0, expected = 0.0;
+  for (std::size_t v = 0; v < parts.size(); ++v) {
+    const ViewEquations& view = equations.views[v];
+    const Eigen::VectorXd g = view.g_camera - view.H_camera_pose * view.H_pose.ldlt().solve(view.g_pose);
+    const Eigen::MatrixXd share = information.solve(parts[v]);
+    pulled += g.dot(information.solve(g));
+    expected += share.trace() - share.cwiseProduct(share.transpose()).sum();
+  }
+  if (expected > 0.0 && std::isfinite(pulled / expected)) fit.pull = pulled / expected;
 }
 
 }  // namespace
@@ -124,8 +161,9 @@ std::optional<Eigen::Matrix2Xd> boardResiduals(const Camera& camera, const Eigen
 }
 
 std::optional<BoardBundleFit> fitBoardBundle(const std::vector<const BoardView*>& views, const BoardBundle& start,
-                                             const std::vector<int>& free, int max_iterations) {
+                                             const std::vector<int>& free, int max_iterations, const CornerWeights& weights) {
   assert(views.size() == start.T_camera_target.size());
+  assert(weights.empty() || weights.size() == views.size());
   // A promised decrease below the rounding of the sum itself (its square root: 1e-6 of a residual's effect on a parameter), or below
   // the rounding of pixels where the data are exact.
   constexpr double kRelativeDecrease = 1e-14;
@@ -134,9 +172,10 @@ std::optional<BoardBundleFit> fitBoardBundle(const std::vector<const BoardView*>
   double point_count = 0.0;
   for (const BoardView* view : views) point_count += static_cast<double>(view->points.cols());
 
+  const Problem problem{views, free, weights};
   BoardBundleFit fit;
   fit.estimate = start;
-  std::optional<Equations> equations = linearise(views, start, free);
+  std::optional<Equations> equations = linearise(problem, start);
   if (!equations) return std::nullopt;
   double lambda = 1e-3;
   for (int iteration = 0; iteration < max_iterations && !fit.converged; ++iteration) {
@@ -144,7 +183,7 @@ std::optional<BoardBundleFit> fitBoardBundle(const std::vector<const BoardView*>
     const double negligible = kRelativeDecrease * equations->squared_error + kRounding_px * kRounding_px * point_count;
     fit.converged = step.predicted_decrease <= negligible;
     BoardBundle trial = moved(fit.estimate, step, free);
-    std::optional<Equations> at_trial = linearise(views, trial, free);
+    std::optional<Equations> at_trial = linearise(problem, trial);
     if (at_trial && at_trial->squared_error <= equations->squared_error) {
       fit.estimate = std::move(trial);
       equations = std::move(at_trial);
@@ -155,7 +194,7 @@ std::optional<BoardBundleFit> fitBoardBundle(const std::vector<const BoardView*>
     }
   }
   fit.squared_error = equations->squared_error;
-  fit.information = schurComplement(*equations);
+  setInformation(*equations, fit);
   return fit;
 }
 

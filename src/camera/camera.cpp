@@ -7,7 +7,7 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
-#include "camera/distortion.hpp"
+#include "camera/lens_model.hpp"
 #include "poecal/core/error.hpp"
 
 namespace poecal {
@@ -15,13 +15,7 @@ namespace {
 
 std::optional<Eigen::Vector2d> distort(const Camera& camera, const Eigen::Vector3d& p_camera, DistortionJacobians* jacobians) {
   assert(camera.distortion.size() <= distortionCount(camera.model));
-  return camera.model == DistortionModel::kEquidistant ? distortEquidistant(camera.distortion, p_camera, jacobians)
-                                                       : distortPinhole(camera.distortion, p_camera, jacobians);
-}
-
-std::optional<Eigen::Vector3d> rayOfRadius(const Camera& camera, const Eigen::Vector2d& unit, double radius) {
-  return camera.model == DistortionModel::kEquidistant ? rayOfRadiusEquidistant(camera.distortion, unit, radius)
-                                                       : rayOfRadiusPinhole(camera.distortion, unit, radius);
+  return lensModel(camera.model).distort(camera.distortion, p_camera, jacobians);
 }
 
 /// Two unit vectors across a unit ray.
@@ -98,9 +92,8 @@ void Camera::setParameters(const Eigen::VectorXd& parameters) {
 }
 
 std::vector<std::string> Camera::parameterNames() const {
-  std::vector<std::string> names = model == DistortionModel::kEquidistant
-                                       ? std::vector<std::string>{"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4"}
-                                       : std::vector<std::string>{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+  std::vector<std::string> names{"fx", "fy", "cx", "cy"};
+  for (const Coefficient& coefficient : lensModel(model).coefficients) names.emplace_back(coefficient.name);
   names.resize(static_cast<std::size_t>(parameterCount()));
   return names;
 }
@@ -135,22 +128,11 @@ std::optional<Eigen::Vector3d> unproject(const Camera& camera, const Eigen::Vect
   // Most lenses bend rays by little, and any point found lies where the profile still grows, so it is the one. For the others: the radial
   // inverse is all of the equidistant model and nearly all of the pinhole ones, at twenty times the price.
   if (const auto ray = solveRay(camera, px, Eigen::Vector3d(m.x(), m.y(), 1.0).normalized())) return ray;
-  const std::optional<Eigen::Vector3d> start = rayOfRadius(camera, m / radius, radius);
+  const std::optional<Eigen::Vector3d> start = lensModel(camera.model).rayOfRadius(camera.distortion, m / radius, radius);
   return start ? solveRay(camera, px, *start) : std::nullopt;
 }
 
-const char* distortionModelName(DistortionModel model) {
-  switch (model) {
-    case DistortionModel::kPlumbBob:
-      return "plumb_bob";
-    case DistortionModel::kRationalPolynomial:
-      return "rational_polynomial";
-    case DistortionModel::kEquidistant:
-      return "equidistant";
-  }
-  assert(false && "a distortion model without a name");
-  return "";
-}
+const char* distortionModelName(DistortionModel model) { return lensModel(model).name; }
 
 std::optional<DistortionModel> findDistortionModel(const std::string& name) {
   for (const DistortionModel model : kDistortionModels) {
@@ -159,17 +141,6 @@ std::optional<DistortionModel> findDistortionModel(const std::string& name) {
   return std::nullopt;
 }
 
-int distortionCount(DistortionModel model) {
-  switch (model) {
-    case DistortionModel::kPlumbBob:
-      return 5;
-    case DistortionModel::kRationalPolynomial:
-      return 8;
-    case DistortionModel::kEquidistant:
-      return 4;
-  }
-  assert(false && "a distortion model without coefficients");
-  return 0;
-}
+int distortionCount(DistortionModel model) { return static_cast<int>(lensModel(model).coefficients.size()); }
 
 }  // namespace poecal

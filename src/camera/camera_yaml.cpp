@@ -2,83 +2,150 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "camera/camera_keys.hpp"
 #include "poecal/core/text.hpp"
 
 namespace poecal {
 namespace {
 
+/// Other names under which people have these models: Kalibr's, RealSense's, OpenCV's module.
+struct OtherName {
+  const char* name;
+  DistortionModel model;
+};
+constexpr OtherName kOtherNames[] = {{"radtan", DistortionModel::kPlumbBob},
+                                     {"brown_conrady", DistortionModel::kPlumbBob},
+                                     {"none", DistortionModel::kPlumbBob},
+                                     {"", DistortionModel::kPlumbBob},
+                                     {"fisheye", DistortionModel::kEquidistant},
+                                     {"equi", DistortionModel::kEquidistant},
+                                     {"rational", DistortionModel::kRationalPolynomial}};
+
 DistortionModel parseModel(const YamlNode& node) {
   const std::string name = node.text();
   if (const auto model = findDistortionModel(name)) return *model;
+  for (const OtherName& other : kOtherNames) {
+    if (name == other.name) return other.model;
+  }
   std::string known;
   for (const DistortionModel model : kDistortionModels) known += (known.empty() ? "" : ", ") + std::string(distortionModelName(model));
   node.fail(fmt::format("is '{}', expected one of: {}", name, known));
 }
 
-int positiveInteger(const YamlNode& node) {
-  const int value = node.integer();
-  if (value <= 0) node.fail(fmt::format("is {}, expected a positive number of pixels", value));
-  return value;
+int pixels(const YamlNode& node) {
+  const double value = node.number();
+  if (!(value > 0.0) || value != std::floor(value) || value > std::numeric_limits<int>::max()) {
+    node.fail(fmt::format("is {}, expected a positive number of pixels", value));
+  }
+  return static_cast<int>(value);
 }
 
-/// A matrix as OpenCV and ROS write it, row by row.
-struct MatrixYaml {
-  YamlNode data;
-  Eigen::VectorXd values;
-};
-
-MatrixYaml parseMatrix(const YamlNode& node) {
-  node.checkKeys({"rows", "cols", "data"});
-  const int rows = node["rows"].integer(), cols = node["cols"].integer();
-  MatrixYaml matrix{node["data"], node["data"].vector()};
-  if (rows < 0 || cols < 0 || static_cast<long>(rows) * cols != static_cast<long>(matrix.values.size())) {
-    matrix.data.fail(fmt::format("{} numbers, expected rows * cols = {} * {}", matrix.values.size(), rows, cols));
+void readSize(const CameraKeys& keys, PictureSize size, Camera& camera) {
+  if (!keys.size && !keys.width && !keys.height && size == PictureSize::kMayBeMissing) return;
+  if (keys.size && !keys.width && !keys.height) {
+    const std::vector<YamlNode> items = keys.size->items();
+    if (items.size() != 2) keys.size->fail(fmt::format("{} numbers, expected width and height", items.size()));
+    camera.width = pixels(items[0]);
+    camera.height = pixels(items[1]);
+    return;
   }
-  return matrix;
+  camera.width = pixels(keys.width ? *keys.width : keys.map["image_width"]);
+  camera.height = pixels(keys.height ? *keys.height : keys.map["image_height"]);
 }
 
-MatrixYaml parseMatrix(const YamlNode& node, int rows, int cols) {
-  MatrixYaml matrix = parseMatrix(node);
-  if (node["rows"].integer() != rows || node["cols"].integer() != cols) {
-    node.fail(fmt::format("{} x {}, expected {} x {}", node["rows"].integer(), node["cols"].integer(), rows, cols));
+/// No lens model here has a skew; one that nobody would see in a picture is let go.
+void dropSkew(const YamlNode& node, double skew, Camera& camera) {
+  if (skew == 0.0) return;
+  // Without a size: that of a picture whose middle is the principal point.
+  const double height = camera.height > 0 ? camera.height : 2.0 * camera.cy + 1.0;
+  const double across_px = std::abs(skew) * height / camera.fy;
+  constexpr double kUnseen_px = 1.0;
+  if (!(across_px < kUnseen_px)) {
+    node.fail(
+        fmt::format("skew {} moves the picture's top by {:.1f} px against its bottom, expected less than 1 px: calibrate without skew",
+                    formatNumber(skew), across_px));
   }
-  return matrix;
+  camera.remarks.push_back(
+      fmt::format("skew {} is dropped: it moves the picture's top by {:.2f} px against its bottom", formatNumber(skew), across_px));
 }
 
-void parseCameraMatrix(const YamlNode& node, Camera& camera) {
-  const auto [data, K] = parseMatrix(node, 3, 3);
-  if (K(1) != 0.0) data.fail(fmt::format("skew {}, expected 0", formatNumber(K(1))));
-  if (K(3) != 0.0 || K(6) != 0.0 || K(7) != 0.0 || K(8) != 1.0) data.fail("expected [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
-  if (!(K(0) > 0.0) || !(K(4) > 0.0)) {
-    data.fail(fmt::format("focal lengths {} and {}, expected positive numbers of pixels", formatNumber(K(0)), formatNumber(K(4))));
+void readCameraMatrix(const YamlNode& node, Camera& camera) {
+  double skew = 0.0;
+  if (node.isSequence() && node.items().size() == 4 && !node.items().front().isSequence()) {
+    const Eigen::VectorXd f = node.vector();  // Kalibr
+    camera.fx = f(0), camera.fy = f(1), camera.cx = f(2), camera.cy = f(3);
+  } else {
+    const auto [data, K] = parseMatrix(node, 3, 3);
+    if (K(3) != 0.0 || K(6) != 0.0 || K(7) != 0.0 || K(8) != 1.0) data.fail("expected [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
+    camera.fx = K(0), camera.fy = K(4), camera.cx = K(2), camera.cy = K(5);
+    skew = K(1);
   }
-  camera.fx = K(0);
-  camera.cx = K(2);
-  camera.fy = K(4);
-  camera.cy = K(5);
+  const YamlNode numbers = node.isMap() ? node["data"] : node;
+  if (!(camera.fx > 0.0) || !(camera.fy > 0.0)) {
+    numbers.fail(
+        fmt::format("focal lengths {} and {}, expected positive numbers of pixels", formatNumber(camera.fx), formatNumber(camera.fy)));
+  }
+  dropSkew(numbers, skew, camera);
 }
 
-Eigen::VectorXd parseDistortion(const YamlNode& node, DistortionModel model) {
-  const auto [data, stated] = parseMatrix(node);
-  const Eigen::Index count = distortionCount(model);
-  const bool k3_left_out = model == DistortionModel::kPlumbBob && stated.size() == 4;
-  if (stated.size() != count && stated.size() != 0 && !k3_left_out) {
-    data.fail(fmt::format("{} coefficients, expected {}{} for {} (or none)", stated.size(),
-                          model == DistortionModel::kPlumbBob ? "4 or " : "", count, distortionModelName(model)));
+/// One more than the index of the last coefficient that is not zero.
+Eigen::Index lastUsed(const Eigen::VectorXd& k) {
+  Eigen::Index count = k.size();
+  while (count > 0 && k(count - 1) == 0.0) --count;
+  return count;
+}
+
+void readEquidistant(const YamlNode& data, const Eigen::VectorXd& stated, Camera& camera) {
+  if (lastUsed(stated) > 4 || (stated.size() < 4 && stated.size() != 0)) {
+    data.fail(fmt::format("{} coefficients, expected 4 for equidistant (or none)", stated.size()));
   }
-  Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(count);
-  coefficients.head(stated.size()) = stated;
-  return coefficients;
+  camera.distortion = Eigen::VectorXd::Zero(4);
+  const Eigen::Index count = std::min<Eigen::Index>(4, stated.size());
+  camera.distortion.head(count) = stated.head(count);
+}
+
+/// OpenCV's coefficients: their number and those that are not zero say which of its models they are.
+void readPinhole(const YamlNode& data, const Eigen::VectorXd& stated, Camera& camera) {
+  constexpr Eigen::Index kCounts[] = {0, 4, 5, 8, 12, 14};
+  if (std::find(std::begin(kCounts), std::end(kCounts), stated.size()) == std::end(kCounts)) {
+    data.fail(
+        fmt::format("{} coefficients, expected 4, 5, 8, 12 or 14 for {} (or none)", stated.size(), distortionModelName(camera.model)));
+  }
+  const Eigen::Index used = lastUsed(stated);
+  if (used > distortionCount(DistortionModel::kThinPrism)) {
+    data.fail("the last two, tau_x and tau_y, tilt the sensor: expected zeros there, or a calibration without them");
+  }
+  for (const DistortionModel larger : {DistortionModel::kRationalPolynomial, DistortionModel::kThinPrism}) {
+    if (used > distortionCount(camera.model)) camera.model = larger;
+  }
+  camera.distortion = Eigen::VectorXd::Zero(distortionCount(camera.model));
+  camera.distortion.head(used) = stated.head(used);
+}
+
+void readDistortion(const CameraKeys& keys, Camera& camera) {
+  camera.model = keys.model ? parseModel(*keys.model) : keys.is_fisheye ? DistortionModel::kEquidistant : DistortionModel::kPlumbBob;
+  const auto [data, stated] = parseMatrix(keys.distortion);
+  if (camera.model == DistortionModel::kEquidistant) {
+    readEquidistant(data, stated, camera);
+  } else {
+    readPinhole(data, stated, camera);
+  }
+  if (!keys.model && !keys.is_fisheye && stated.size() == 4) {
+    camera.remarks.emplace_back(
+        "4 coefficients without a distortion_model are read as k1 k2 p1 p2; a fisheye's need distortion_model: equidistant");
+  }
 }
 
 Eigen::VectorXd parseStandardDeviation(const YamlNode& node, const Camera& camera) {
-  node.checkKeys({"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"});
+  node.checkKeys({"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4"});
   const std::vector<std::string> names = camera.parameterNames();
-  for (const char* coefficient : {"k3", "k4", "k5", "k6", "p1", "p2"}) {
+  for (const char* coefficient : {"k3", "k4", "k5", "k6", "p1", "p2", "s1", "s2", "s3", "s4"}) {
     const bool of_the_model = std::find(names.begin(), names.end(), coefficient) != names.end();
     if (node.has(coefficient) && !of_the_model) {
       node[coefficient].fail(fmt::format("{} has no coefficient of this name", distortionModelName(camera.model)));
@@ -102,20 +169,18 @@ std::string matrixYaml(const char* key, int rows, int cols, const Eigen::VectorX
 
 }  // namespace
 
-Camera parseCamera(const YamlNode& node) {
-  node.checkKeys({"image_width", "image_height", "camera_name", "camera_matrix", "distortion_model", "distortion_coefficients",
-                  "rectification_matrix", "projection_matrix", "standard_deviation"});
+Camera parseCamera(const YamlNode& node, PictureSize size) {
+  const CameraKeys keys = findCameraKeys(node);
   Camera camera;
-  camera.width = positiveInteger(node["image_width"]);
-  camera.height = positiveInteger(node["image_height"]);
-  if (const auto name = node.find("camera_name")) camera.name = name->text();
-  parseCameraMatrix(node["camera_matrix"], camera);
-  camera.model = parseModel(node["distortion_model"]);
-  camera.distortion = parseDistortion(node["distortion_coefficients"], camera.model);
+  readSize(keys, size, camera);
+  if (keys.name) camera.name = keys.name->text();
+  readCameraMatrix(keys.camera_matrix, camera);
+  readDistortion(keys, camera);
   // These two speak of rectified pictures. poecal works on the pictures as taken: they are checked, and not used.
-  if (const auto rectification = node.find("rectification_matrix")) parseMatrix(*rectification, 3, 3);
-  if (const auto projection = node.find("projection_matrix")) parseMatrix(*projection, 3, 4);
-  if (const auto deviation = node.find("standard_deviation")) camera.standard_deviation = parseStandardDeviation(*deviation, camera);
+  if (keys.rectification) parseMatrix(*keys.rectification, 3, 3);
+  if (keys.projection) parseMatrix(*keys.projection, 3, 4);
+  if (keys.standard_deviation) camera.standard_deviation = parseStandardDeviation(*keys.standard_deviation, camera);
+  if (!keys.unread.empty()) camera.remarks.push_back(fmt::format("not read: {}", fmt::join(keys.unread, ", ")));
   return camera;
 }
 
@@ -148,6 +213,8 @@ std::string cameraYamlBlock(const Camera& camera, int indent) {
 }
 
 Camera readCamera(const std::filesystem::path& file) { return parseCamera(YamlNode::load(file)); }
+
+Camera readCameraOfPictures(const std::filesystem::path& file) { return parseCamera(YamlNode::load(file), PictureSize::kMayBeMissing); }
 
 std::string cameraYaml(const Camera& camera) { return cameraYamlBlock(camera, 0); }
 

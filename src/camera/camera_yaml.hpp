@@ -8,8 +8,10 @@
 
 namespace poecal {
 
+enum class PictureSize { kNeeded, kMayBeMissing };
+
 /// @throws FileError as readCamera.
-Camera parseCamera(const YamlNode& node);
+Camera parseCamera(const YamlNode& node, PictureSize size = PictureSize::kNeeded);
 
 /// The map's lines, each behind `indent` spaces; numbers read back as the same bits. All coefficients of the model are written. A
 /// standard deviation that is not finite is left out, and the whole map where none is stated.

@@ -1,4 +1,4 @@
-// plumb_bob and rational_polynomial.
+// What plumb_bob, rational_polynomial and thin_prism share.
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace poecal {
 namespace {
 
-/// The coefficients by their role, zeros for those that are not there.
+/// The coefficients by their role, zeros for those that are not there. Those behind the eighth are for others to add.
 struct Coefficients {
   std::array<double, 4> N{1.0, 0.0, 0.0, 0.0};  ///< 1 + k1 s + k2 s^2 + k3 s^3
   std::array<double, 4> D{1.0, 0.0, 0.0, 0.0};  ///< 1 + k4 s + k5 s^2 + k6 s^3
@@ -18,7 +18,7 @@ struct Coefficients {
   bool rational = false;
 
   explicit Coefficients(const Eigen::VectorXd& k) {
-    assert(k.size() <= 8);
+    assert(k.size() <= 12);
     const auto at = [&k](Eigen::Index i) { return i < k.size() ? k(i) : 0.0; };
     N = {1.0, at(0), at(1), at(4)};
     p1 = at(2), p2 = at(3);
@@ -70,7 +70,7 @@ std::optional<Eigen::Vector2d> distortPinhole(const Eigen::VectorXd& k, const Ei
 
   const Eigen::Vector2d by_k1 = n * (s / D);
   const Eigen::Vector2d by_k4 = -L * by_k1;
-  jacobians->J_m_k << by_k1, by_k1 * s, by_p1, by_p2, by_k1 * s * s, by_k4, by_k4 * s, by_k4 * s * s;
+  jacobians->J_m_k.leftCols<8>() << by_k1, by_k1 * s, by_p1, by_p2, by_k1 * s * s, by_k4, by_k4 * s, by_k4 * s * s;
   return m;
 }
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
-#include "camera/board_bundle.hpp"
+#include "camera/intrinsics_fit.hpp"
 #include "camera/intrinsics_judgement.hpp"
 #include "camera/intrinsics_start.hpp"
 #include "poecal/core/error.hpp"
@@ -15,16 +15,6 @@
 
 namespace poecal {
 namespace {
-
-constexpr std::size_t kLeastPictures = 3;
-
-using Views = std::vector<const BoardView*>;
-
-/// Pictures that take part, with the fit to them.
-struct Solution {
-  Views views;
-  BoardBundleFit fit;
-};
 
 void checkViews(const std::vector<BoardView>& views, int width, int height) {
   if (width <= 0 || height <= 0) throw InvalidArgument(fmt::format("picture size {} x {}, expected positive numbers", width, height));
@@ -37,164 +27,107 @@ void checkViews(const std::vector<BoardView>& views, int width, int height) {
   }
 }
 
-Eigen::Index pointCount(const Views& views) {
-  return std::accumulate(views.begin(), views.end(), Eigen::Index{0},
-                         [](Eigen::Index sum, const BoardView* v) { return sum + v->points.cols(); });
-}
-
-/// Numbers that the residuals have beyond the unknowns.
-Eigen::Index freedoms(const Views& views, int parameter_count) {
-  return 2 * pointCount(views) - parameter_count - 6 * static_cast<Eigen::Index>(views.size());
-}
-
-void requireEnough(const Views& views, int parameter_count) {
-  if (views.size() < kLeastPictures) {
-    throw InsufficientData(
-        fmt::format("{} usable pictures of the board, expected at least {} (4 points each, not on a line)", views.size(), kLeastPictures));
-  }
-  const Eigen::Index numbers = 2 * pointCount(views);
-  if (freedoms(views, parameter_count) <= 0) {
-    throw InsufficientData(fmt::format("{} points in {} pictures give {} numbers for {} unknowns, expected more numbers", pointCount(views),
-                                       views.size(), numbers, numbers - freedoms(views, parameter_count)));
-  }
-}
-
-std::vector<int> allParameters(const Camera& camera) {
-  std::vector<int> indices(static_cast<std::size_t>(camera.parameterCount()));
-  std::iota(indices.begin(), indices.end(), 0);
-  return indices;
-}
-
-BoardBundleFit refit(const Views& views, const BoardBundle& start, const std::vector<int>& free, int max_iterations) {
-  auto fit = fitBoardBundle(views, start, free, max_iterations);
-  // Every start has seen all its points: poses come from boardPose or an earlier fit with the same camera.
-  if (!fit) throw InsufficientData("the pictures do not fit any camera of this model");
-  return *fit;
-}
-
-double squaredError(const Camera& camera, const Eigen::Isometry3d& T_camera_target, const BoardView& view) {
-  const auto residuals = boardResiduals(camera, T_camera_target, view);
-  return residuals ? residuals->squaredNorm() : std::numeric_limits<double>::infinity();
-}
-
-/// A flat board seen with a wrong lens may have been put down in its mirrored pose, which least squares does not leave: ask again.
-void askForPosesAgain(const Views& views, BoardBundle& bundle) {
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const std::optional<Eigen::Isometry3d> again = boardPose(bundle.camera, *views[v]);
-    Eigen::Isometry3d& pose = bundle.T_camera_target[v];
-    if (again && squaredError(bundle.camera, *again, *views[v]) < squaredError(bundle.camera, pose, *views[v])) pose = *again;
-  }
-}
-
-/// From nothing: focal lengths and the first coefficient, then the centre and the second, then all.
-Solution fitFromScratch(const Views& given, int width, int height, const IntrinsicsOptions& options) {
-  const int parameter_count = 4 + distortionCount(options.model);
-  requireEnough(given, parameter_count);
-  Solution solution;
-  BoardBundle bundle;
-  bundle.camera = startCamera(given, width, height, options.model);
-  for (const BoardView* view : given) {
-    if (const auto pose = boardPose(bundle.camera, *view)) {
-      solution.views.push_back(view);
-      bundle.T_camera_target.push_back(*pose);
-    }
-  }
-  requireEnough(solution.views, parameter_count);
-  const std::vector<int> stages[] = {{0, 1, 4}, {0, 1, 2, 3, 4, 5}, allParameters(bundle.camera)};
-  for (const std::vector<int>& free : stages) {
-    solution.fit = refit(solution.views, bundle, free, options.max_iterations);
-    bundle = solution.fit.estimate;
-    if (&free == &stages[0]) askForPosesAgain(solution.views, bundle);
-  }
-  return solution;
-}
-
-/// Residuals of every given picture under `camera`, its pose fitted again.
-std::vector<ViewResidual> residualsOf(const std::vector<BoardView>& given, const Camera& camera) {
+/// Residuals of every given picture under a camera, its pose fitted again. @param sigma_px  as fitView().
+std::vector<ViewResidual> residualsOf(const std::vector<BoardView>& given, const Camera& camera, double sigma_px) {
   std::vector<ViewResidual> residuals;
   for (const BoardView& view : given) {
     ViewResidual& entry = residuals.emplace_back();
     entry.image = view.image;
     entry.points = static_cast<int>(view.points.cols());
     if (!usable(view)) continue;
-    const std::optional<Eigen::Isometry3d> pose = boardPose(camera, view);
-    const auto r = pose ? boardResiduals(camera, *pose, view) : std::nullopt;
-    if (!r) continue;
+    const std::optional<ViewFit> fit = fitView(camera, view, sigma_px);
+    if (!fit) continue;
+    const Eigen::VectorXd distances = fit->residuals.colwise().norm().transpose();
     entry.used = true;
-    entry.T_camera_target = *pose;
-    entry.rms_px = std::sqrt(r->squaredNorm() / static_cast<double>(r->cols()));
-    entry.max_px = r->colwise().norm().maxCoeff();
+    entry.outliers = static_cast<int>((fit->weights.array() < 0.5).count());
+    entry.T_camera_target = fit->T_camera_target;
+    entry.rms_px = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size()));
+    entry.level_px = std::sqrt(2.0) * sigmaOfMedian(median({distances.begin(), distances.end()}));
+    entry.max_px = distances.maxCoeff();
   }
   return residuals;
 }
 
 /// Marks the bad ones as IntrinsicsOptions says.
 void markBad(std::vector<ViewResidual>& residuals, const IntrinsicsOptions& options) {
-  constexpr double kHarmless_px = 0.02;  // better than any detector: a picture of that rms is bad only among exact ones
-  std::vector<double> rms;
+  constexpr double kHarmless_px = 0.02;  // better than any detector: a picture of that level is bad only among exact ones
+  std::vector<double> levels;
   std::vector<ViewResidual*> worst_first;
   for (ViewResidual& entry : residuals) {
     entry.bad = false;
     if (!entry.used) continue;
-    rms.push_back(entry.rms_px);
+    levels.push_back(entry.level_px);
     worst_first.push_back(&entry);
   }
-  std::stable_sort(worst_first.begin(), worst_first.end(), [](const auto* a, const auto* b) { return a->rms_px > b->rms_px; });
-  const double middle = median(rms);
-  const double limit = std::max({middle + options.bad_view_sigmas * robustSigma(rms), options.bad_view_factor * middle, kHarmless_px});
+  std::stable_sort(worst_first.begin(), worst_first.end(), [](const auto* a, const auto* b) { return a->level_px > b->level_px; });
+  const double middle = median(levels);
+  const double limit = std::max({middle + options.bad_view_sigmas * robustSigma(levels), options.bad_view_factor * middle, kHarmless_px});
   const std::size_t beyond_least = worst_first.size() - std::min(worst_first.size(), kLeastPictures);
   const std::size_t most = std::min(worst_first.size() / 4, beyond_least);
-  for (std::size_t k = 0; k < most; ++k) worst_first[k]->bad = worst_first[k]->rms_px > limit;
+  for (std::size_t k = 0; k < most; ++k) worst_first[k]->bad = worst_first[k]->level_px > limit;
 }
 
-IntrinsicsFit summarise(const Solution& solution) {
+/// The covariance of the free parameters among all of them; zeros for the others.
+Eigen::MatrixXd amongAll(const Eigen::MatrixXd& covariance, const std::vector<int>& free, Eigen::Index count) {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(count, count);
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    for (std::size_t j = 0; j < free.size(); ++j)
+      all(free[i], free[j]) = covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  }
+  return all;
+}
+
+/// @param variance_px2  of a coordinate, that the covariance is scaled by.
+IntrinsicsFit summarise(const Solution& solution, double variance_px2) {
   IntrinsicsFit summary;
-  summary.camera = solution.fit.estimate.camera;
+  Camera& camera = summary.camera;
+  camera = solution.fit.estimate.camera;
   summary.pictures = static_cast<int>(solution.views.size());
-  summary.points = static_cast<int>(pointCount(solution.views));
+  for (const BoardView* view : solution.views) summary.points += static_cast<int>(view->points.cols());
+  for (const Eigen::VectorXd& weights : solution.weights) summary.outliers += static_cast<int>((weights.array() < 0.5).count());
   summary.converged = solution.fit.converged;
-  summary.rms_px = std::sqrt(solution.fit.squared_error / summary.points);
-  summary.sigma_px = std::sqrt(solution.fit.squared_error / static_cast<double>(freedoms(solution.views, summary.camera.parameterCount())));
-  summary.covariance = summary.sigma_px * summary.sigma_px * unitCovariance(solution.fit.information);
-  summary.camera.standard_deviation = summary.covariance.diagonal().cwiseSqrt();
+  summary.rms_px = std::sqrt(solution.fit.squared_error / solution.cornerCount());
+  summary.sigma_px = solution.sigma();
+  summary.covariance = amongAll(variance_px2 * unitCovariance(solution.fit.information), solution.free, camera.parameterCount());
+  camera.standard_deviation = summary.covariance.diagonal().cwiseSqrt();
+  const std::vector<std::string> names = camera.parameterNames();
+  for (const int parameter : solution.held) {
+    camera.standard_deviation(parameter) = std::numeric_limits<double>::quiet_NaN();
+    summary.held.push_back(names[static_cast<std::size_t>(parameter)]);
+  }
+  summary.uncertainty = projectionUncertainty(camera, summary.covariance);
   return summary;
 }
 
-/// Fits to the pictures of `all` that are not marked bad; `residuals` runs along `given`.
-Solution fitWithoutBad(const std::vector<BoardView>& given, const std::vector<ViewResidual>& residuals, const Solution& all,
-                       int max_iterations) {
-  Solution others;
-  BoardBundle start;
-  start.camera = all.fit.estimate.camera;
-  for (std::size_t v = 0; v < all.views.size(); ++v) {
-    if (residuals[static_cast<std::size_t>(all.views[v] - given.data())].bad) continue;
-    others.views.push_back(all.views[v]);
-    start.T_camera_target.push_back(all.fit.estimate.T_camera_target[v]);
-  }
-  others.fit = refit(others.views, start, allParameters(start.camera), max_iterations);
-  return others;
-}
+IntrinsicsFit summarise(const Solution& solution) { return summarise(solution, solution.sigma() * solution.sigma()); }
 
-bool isBad(const ViewResidual& entry) { return entry.bad; }
+Solution withoutBad(const std::vector<BoardView>& given, const std::vector<ViewResidual>& residuals, const Solution& all,
+                    const IntrinsicsOptions& options) {
+  Views good;
+  for (const BoardView* view : all.views) {
+    if (!residuals[static_cast<std::size_t>(view - given.data())].bad) good.push_back(view);
+  }
+  return fitRobustly(all, good, options);
+}
 
 bool sameBad(const std::vector<ViewResidual>& a, const std::vector<ViewResidual>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ViewResidual& x, const ViewResidual& y) { return x.bad == y.bad; });
 }
 
-/// Names the bad pictures in `result.views` and fits without them. A bad picture bends the camera that it is judged by, so the fit
-/// without it judges again, until it agrees.
-void setBadAside(const std::vector<BoardView>& given, const Solution& all, const IntrinsicsOptions& options, IntrinsicsResult& result) {
+/// Marks the bad pictures in `views` and fits without them. A bad picture bends the camera that it is judged by, so the fit without it
+/// judges again, until it agrees.
+Solution setBadAside(const std::vector<BoardView>& given, const Solution& all, const IntrinsicsOptions& options,
+                     std::vector<ViewResidual>& views) {
   constexpr int kMaxRounds = 5;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    if (std::none_of(result.views.begin(), result.views.end(), isBad)) {
-      result.without_bad.reset();
-      return;
-    }
-    result.without_bad = summarise(fitWithoutBad(given, result.views, all, options.max_iterations));
-    std::vector<ViewResidual> again = residualsOf(given, result.without_bad->camera);
+  views = residualsOf(given, all.fit.estimate.camera, all.sigma());
+  markBad(views, options);
+  for (int round = 0;; ++round) {
+    Solution robust = withoutBad(given, views, all, options);
+    if (round + 1 == kMaxRounds) return robust;
+    std::vector<ViewResidual> again = residualsOf(given, robust.fit.estimate.camera, robust.sigma());
     markBad(again, options);
-    if (round + 1 == kMaxRounds || sameBad(again, result.views)) return;
-    result.views = std::move(again);
+    if (sameBad(again, views)) return robust;
+    views = std::move(again);
   }
 }
 
@@ -219,7 +152,11 @@ std::vector<std::string> pictureWarnings(const IntrinsicsResult& result) {
   }
   if (!bad.empty()) {
     warnings.push_back(fmt::format("bad pictures: {}, against {:.2f} px in the median of the others; without them {}, with them {}", bad,
-                                   median(good_rms), figures(*result.without_bad), figures(result.all)));
+                                   median(good_rms), figures(result.robust), figures(result.all)));
+  }
+  if (result.is_robust && result.robust.outliers > 0) {
+    warnings.push_back(fmt::format("{} of {} corners count for little or nothing: they are far from where the others put them",
+                                   result.robust.outliers, result.robust.points));
   }
   return warnings;
 }
@@ -242,15 +179,16 @@ IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int wi
   const Solution all = fitFromScratch(candidates, width, height, options);
 
   IntrinsicsResult result;
-  result.drop_bad = options.drop_bad;
+  result.is_robust = options.robust;
   result.all = summarise(all);
-  requireDetermined(result.all.camera, all.fit.information, result.all.sigma_px);
-  result.views = residualsOf(views, result.all.camera);
-  markBad(result.views, options);
-  setBadAside(views, all, options, result);
+  const Solution robust = setBadAside(views, all, options, result.views);
+  // Pictures that pull more than noise would let them are what the camera is uncertain by.
+  result.robust = summarise(robust, std::max(robust.sigma() * robust.sigma(), robust.fit.pull));
+  const Solution& used = options.robust ? robust : all;
+  requireDetermined(used.fit.estimate.camera, used.fit.information, used.sigma());
 
   const IntrinsicsFit& chosen = result.chosen();
-  std::vector<ViewResidual> residuals = residualsOf(views, chosen.camera);
+  std::vector<ViewResidual> residuals = residualsOf(views, chosen.camera, options.robust ? chosen.sigma_px : 0.0);
   for (std::size_t v = 0; v < views.size(); ++v) residuals[v].bad = result.views[v].bad;
   result.views = std::move(residuals);
 
@@ -261,7 +199,7 @@ IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int wi
   }
   for (const std::string& warning : coefficientWarnings(chosen)) result.warnings.push_back(warning);
   constexpr double kLittleTilt_rad = 15.0 * M_PI / 180.0;
-  const double spread = tiltSpread(all.views, all.fit.estimate.T_camera_target);
+  const double spread = tiltSpread(used.views, used.fit.estimate.T_camera_target);
   if (spread < kLittleTilt_rad) {
     result.warnings.push_back(fmt::format(
         "all boards are within {:.0f} degrees of parallel: tilt them by 20 to 50 degrees, in different directions", spread * 180.0 / M_PI));

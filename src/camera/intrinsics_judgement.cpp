@@ -3,23 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "camera/intrinsics_start.hpp"
+#include "camera/lens_model.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/core/statistics.hpp"
+#include "poecal/geometry/se3.hpp"
 
 namespace poecal {
 namespace {
-
-/// Beyond what a real lens has: a coefficient known no better than this is not known. Radial terms are of the order of 1 (those of the
-/// rational model of 10), tangential ones of 0.01.
-double plausibleSize(DistortionModel model, const std::string& coefficient) {
-  if (coefficient[0] == 'p') return 0.1;
-  return model == DistortionModel::kRationalPolynomial ? 10.0 : 1.0;
-}
 
 Eigen::Vector3d boardNormal(const Eigen::Matrix3Xd& points) {
   const Eigen::Matrix3Xd centred = points.colwise() - points.rowwise().mean();
@@ -77,29 +75,66 @@ std::vector<std::string> coefficientWarnings(const IntrinsicsFit& fit) {
   const Camera& camera = fit.camera;
   const std::vector<std::string> names = camera.parameterNames();
   const Eigen::VectorXd values = camera.parameters();
-  const auto name = [&names](Eigen::Index k) -> const std::string& { return names[static_cast<std::size_t>(k)]; };
+  if (!fit.held.empty()) {
+    warnings.push_back(
+        fmt::format("the pictures leave {} open: any value fits, so they are held at 0; a model with fewer coefficients is enough",
+                    fmt::join(fit.held, ", ")));
+  }
   std::vector<Eigen::Index> determined;
-  for (Eigen::Index k = 4; k < values.size(); ++k) {
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const std::string& name = names[static_cast<std::size_t>(k)];
     const double deviation = camera.standard_deviation(k);
-    if (std::isnan(deviation)) {
-      warnings.push_back(fmt::format("the pictures leave {} open: any value fits; a model with fewer coefficients is enough", name(k)));
-    } else if (deviation > plausibleSize(camera.model, name(k))) {
-      warnings.push_back(fmt::format("{} = {:.3g} +- {:.3g} is not determined by the pictures", name(k), values(k), deviation));
+    if (std::find(fit.held.begin(), fit.held.end(), name) != fit.held.end()) continue;
+    if (k >= 4 && !(deviation <= lensModel(camera.model).coefficients[static_cast<std::size_t>(k - 4)].plausible)) {
+      warnings.push_back(fmt::format("{} = {:.3g} is not determined by the pictures, though 0 does not fit", name, values(k)));
     } else {
       determined.push_back(k);
     }
   }
   for (const Eigen::Index k : determined) {
-    for (Eigen::Index j = 0; j < k; ++j) {
-      if (j >= 4 && std::find(determined.begin(), determined.end(), j) == determined.end()) continue;
+    for (const Eigen::Index j : determined) {
+      if (k < 4 || j >= k) continue;
       const double product = camera.standard_deviation(k) * camera.standard_deviation(j);
       if (!(product > 0.0)) continue;  // exact corners
       const double correlation = fit.covariance(k, j) / product;
       if (std::abs(correlation) <= kCorrelation) continue;
-      warnings.push_back(fmt::format("{} and {} are determined only together (correlation {:.4f})", name(j), name(k), correlation));
+      warnings.push_back(fmt::format("{} and {} are determined only together (correlation {:.4f})", names[static_cast<std::size_t>(j)],
+                                     names[static_cast<std::size_t>(k)], correlation));
     }
   }
   return warnings;
+}
+
+ProjectionUncertainty projectionUncertainty(const Camera& camera, const Eigen::MatrixXd& covariance) {
+  constexpr int kColumns = 12, kRows = 9;
+  std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> by_parameters;
+  std::vector<Eigen::Matrix<double, 2, 3>> by_rotation;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const Eigen::Vector2d px((column + 0.5) / kColumns * camera.width - 0.5, (row + 0.5) / kRows * camera.height - 0.5);
+      const std::optional<Eigen::Vector3d> ray = unproject(camera, px);
+      const std::optional<Projection> projection = ray ? projectWithJacobians(camera, *ray) : std::nullopt;
+      if (!projection) continue;  // the lens sees nothing there
+      by_parameters.emplace_back(projection->J_px_parameters);
+      by_rotation.emplace_back(-projection->J_px_p * hat(*ray));
+    }
+  }
+  if (by_parameters.empty()) return {};
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, Eigen::Dynamic> g = Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, covariance.rows());
+  for (std::size_t k = 0; k < by_rotation.size(); ++k) {
+    H += by_rotation[k].transpose() * by_rotation[k];
+    g += by_rotation[k].transpose() * by_parameters[k];
+  }
+  const Eigen::Matrix<double, 3, Eigen::Dynamic> taken_back = H.ldlt().solve(g);
+  std::vector<double> sigmas;
+  for (std::size_t k = 0; k < by_rotation.size(); ++k) {
+    const Eigen::Matrix<double, 2, Eigen::Dynamic> J = by_parameters[k] - by_rotation[k] * taken_back;
+    const Eigen::Matrix2d of_pixel = J * covariance * J.transpose();
+    const double half_trace = 0.5 * of_pixel.trace(), half_gap = 0.5 * (of_pixel(0, 0) - of_pixel(1, 1));
+    sigmas.push_back(std::sqrt(std::max(0.0, half_trace + std::hypot(half_gap, of_pixel(0, 1)))));
+  }
+  return {median(sigmas), *std::max_element(sigmas.begin(), sigmas.end())};
 }
 
 double tiltSpread(const std::vector<const BoardView*>& views, const std::vector<Eigen::Isometry3d>& T_camera_target) {

@@ -15,12 +15,15 @@ namespace poecal {
 Eigen::MatrixXd unitCovariance(const Eigen::MatrixXd& information);
 
 /// @throws InsufficientData where fx, fy, cx or cy is open, or known to no better than a tenth of the focal length.
-/// @param information  of camera.parameters() for noise of 1 px. @param sigma_px  of the corners.
+/// @param information  of the free parameters for noise of 1 px, those four first. @param sigma_px  of the corners.
 void requireDetermined(const Camera& camera, const Eigen::MatrixXd& information, double sigma_px);
 
-/// One sentence per coefficient that is open or less certain than any lens deviates, and one for each of the others that is correlated
-/// beyond 0.99 with another parameter.
+/// One sentence for the coefficients that are held, one per coefficient less certain than any lens deviates, and one for each of the others
+/// that is correlated beyond 0.99 with another parameter.
 std::vector<std::string> coefficientWarnings(const IntrinsicsFit& fit);
+
+/// @param covariance  of camera.parameters().
+ProjectionUncertainty projectionUncertainty(const Camera& camera, const Eigen::MatrixXd& covariance);
 
 /// Largest angle between the planes of two boards [rad]; pi / 2 where some board is not flat (it needs no tilting).
 double tiltSpread(const std::vector<const BoardView*>& views, const std::vector<Eigen::Isometry3d>& T_camera_target);

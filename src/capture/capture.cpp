@@ -14,7 +14,7 @@ void readLens(const YamlNode& root, Capture& capture) {
   const auto intrinsics = root.find("intrinsics");
   if (camera && intrinsics) intrinsics->fail("stands beside camera, expected one of them");
   if (!camera && !intrinsics) root.fail("key 'camera' is missing, expected it, or 'intrinsics' with the folder to find it from");
-  if (camera) capture.camera = readCamera(namedFile(*camera));
+  if (camera) capture.camera = readCameraOfPictures(namedFile(*camera));
   if (intrinsics) capture.intrinsics_folder = namedFolder(*intrinsics);
 }
 

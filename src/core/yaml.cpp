@@ -30,6 +30,13 @@ int YamlNode::line() const { return node_.Mark().line + 1; }
 
 void YamlNode::fail(const std::string& message) const { throw FileError(*file_, line(), name_.empty() ? message : name_ + ": " + message); }
 
+void YamlNode::failAtKey(const std::string& key, const std::string& message) const {
+  for (const auto& entry : node_) {
+    if (entry.first.as<std::string>("") == key) throw FileError(*file_, entry.first.Mark().line + 1, message);
+  }
+  fail(message);
+}
+
 void YamlNode::checkKeys(std::initializer_list<const char*> known) const {
   if (!isMap()) fail("expected a map");
   for (const auto& entry : node_) {

@@ -48,6 +48,8 @@ class YamlNode {
   void checkFormat(const char* expected) const;
 
   [[noreturn]] void fail(const std::string& message) const;
+  /// fail() with the line of one of this map's keys.
+  [[noreturn]] void failAtKey(const std::string& key, const std::string& message) const;
 
  private:
   YamlNode(std::shared_ptr<const std::filesystem::path> file, YAML::Node node, std::string name);

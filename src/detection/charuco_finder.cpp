@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <opencv2/aruco/charuco.hpp>
 
+#include "detection/charuco_layout.hpp"
 #include "detection/corner_finder.hpp"
 #include "detection/subpixel.hpp"
 #include "detection/tag_family.hpp"
@@ -14,7 +15,8 @@ namespace {
 class CharucoFinder : public CornerFinder {
  public:
   explicit CharucoFinder(const Target& target)
-      : dictionary_(makeMarkerDictionary(target.dictionary)),
+      : target_(target),
+        dictionary_(makeMarkerDictionary(target.dictionary)),
         margin_((target.square - target.marker) / (2.0 * target.marker)),
         board_(cv::aruco::CharucoBoard::create(target.cols, target.rows, static_cast<float>(target.square),
                                                static_cast<float>(target.marker), dictionary_)),
@@ -29,6 +31,7 @@ class CharucoFinder : public CornerFinder {
     std::vector<int> marker_ids;
     cv::aruco::detectMarkers(grey, dictionary_, markers, marker_ids, parameters_);
     if (marker_ids.empty()) return {{}, {"no marker of the board was found"}};
+    if (auto contradiction = layoutContradiction(target_, markers, marker_ids)) return {{}, {*std::move(contradiction)}};
     std::vector<cv::Point2f> corners;
     std::vector<int> ids;
     cv::aruco::interpolateCornersCharuco(markers, marker_ids, grey, board_, corners, ids);
@@ -55,6 +58,7 @@ class CharucoFinder : public CornerFinder {
     return margin_ * shortest - 1.0;
   }
 
+  Target target_;
   cv::Ptr<cv::aruco::Dictionary> dictionary_;
   double margin_;  ///< between marker and square, in sides of a marker
   cv::Ptr<cv::aruco::CharucoBoard> board_;

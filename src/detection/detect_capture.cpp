@@ -4,6 +4,9 @@
 #include <set>
 #include <utility>
 
+#include "detection/picture.hpp"
+#include "poecal/core/error.hpp"
+
 namespace poecal {
 namespace {
 
@@ -33,6 +36,19 @@ void addReference(DetectResult& result, DetectResult reference) {
 }
 
 }  // namespace
+
+void takeSizeFromPictures(Capture& capture) {
+  if (!capture.camera || capture.camera->width > 0) return;
+  for (const Sample& sample : capture.table.samples) {
+    const cv::Mat grey = sample.image.empty() ? cv::Mat() : readPicture(capture.folder / sample.image).grey;
+    if (grey.empty()) continue;
+    capture.camera->width = grey.cols;
+    capture.camera->height = grey.rows;
+    return;
+  }
+  throw FileError(capture.folder, 0,
+                  "its camera file states no image_width and image_height, expected them or a picture to take them from");
+}
 
 DetectResult detectCapture(const Capture& capture, DetectOptions options, KnownCorners* known) {
   if (capture.camera) {

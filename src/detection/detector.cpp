@@ -150,11 +150,13 @@ DetectResult detect(const std::filesystem::path& folder, const std::vector<std::
     for (std::string& message : finding.notes) result.notes.push_back({images[k], std::move(message), finding.corners.empty()});
     result.detections.images.push_back({images[k], std::move(finding.corners), finding.look});
   }
-  if (!any_corners && target.hasTags()) {
-    if (const auto image = findMirrored(folder, readable, target.family)) {
-      throw FileError(folder / *image, 0, "shows the target's tags mirrored, expected the picture as the camera took it");
+  if (!any_corners && (target.hasTags() || target.type == TargetType::kCharuco)) {
+    if (const auto image = findMirrored(folder, readable, target)) {
+      throw FileError(
+          folder / *image, 0,
+          fmt::format("shows the target's {} mirrored, expected the picture as the camera took it", target.hasTags() ? "tags" : "markers"));
     }
-    if (auto hint = hintAtFamily(folder, readable, target.family)) result.notes.push_back(std::move(*hint));
+    if (auto hint = hintAtFamily(folder, readable, target)) result.notes.push_back(std::move(*hint));
   }
   return result;
 }

@@ -1,5 +1,6 @@
 #include "detection/marker_bitmap.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "detection/tag_family.hpp"
 #include "poecal/core/error.hpp"
+#include "target/names.hpp"
 
 extern "C" {
 #include <apriltag/apriltag.h>
@@ -23,9 +25,23 @@ void freeImage(image_u8_t* image) {
   std::free(image);
 }
 
+/// More rings of black cells between the border of one cell, which starts inside the outermost ring, and what is within.
+MarkerBitmap withWiderBorder(const MarkerBitmap& narrow, int more) {
+  MarkerBitmap wide{.width = narrow.width + 2 * more, .corner_width = narrow.corner_width + 2 * more, .white = {}};
+  const int outermost = (narrow.width - narrow.corner_width) / 2;
+  for (int row = 0; row < wide.width; ++row) {
+    for (int column = 0; column < wide.width; ++column) {
+      const int ring = std::min({row, column, wide.width - 1 - row, wide.width - 1 - column});
+      const bool drawn = ring >= outermost + more;
+      wide.white.push_back(drawn ? narrow.isWhite(column - more, row - more) : ring < outermost);
+    }
+  }
+  return wide;
+}
+
 }  // namespace
 
-MarkerBitmap tagBitmap(const std::string& name, int id) {
+MarkerBitmap tagBitmap(const std::string& name, int id, int border_bits) {
   const TagFamily family = makeTagFamily(name);
   if (id < 0 || static_cast<std::uint32_t>(id) >= family->ncodes) {
     throw InvalidArgument(fmt::format("tag id {} does not exist, {} has ids 0 to {}", id, name, family->ncodes - 1));
@@ -35,7 +51,11 @@ MarkerBitmap tagBitmap(const std::string& name, int id) {
   for (int row = 0; row < image->height; ++row) {
     for (int column = 0; column < image->width; ++column) bitmap.white.push_back(image->buf[row * image->stride + column] > 127);
   }
-  return bitmap;
+  if (border_bits == 1) return bitmap;
+  if (border_bits < 1 || !mayHaveWideBorder(name)) {
+    throw InvalidArgument(fmt::format("a tag of {} with a border of {} cells is not known", name, border_bits));
+  }
+  return withWiderBorder(bitmap, border_bits - 1);
 }
 
 MarkerBitmap arucoBitmap(const std::string& name, int id) {

@@ -14,8 +14,9 @@ struct MarkerBitmap {
   bool isWhite(int column, int row) const { return white[static_cast<std::size_t>(row * width + column)]; }
 };
 
-/// A tag of libapriltag, as apriltag_to_image draws it. @throws InvalidArgument for an unknown family or id.
-MarkerBitmap tagBitmap(const std::string& family, int id);
+/// A tag of libapriltag, as apriltag_to_image draws it, with a black border of `border_bits` cells (1: as the library has it).
+/// @throws InvalidArgument for an unknown family or id, and a wider border of a family that is not mayHaveWideBorder().
+MarkerBitmap tagBitmap(const std::string& family, int id, int border_bits = 1);
 /// A marker of an OpenCV dictionary with a black border of one cell. @throws InvalidArgument for an unknown dictionary or id.
 MarkerBitmap arucoBitmap(const std::string& dictionary, int id);
 

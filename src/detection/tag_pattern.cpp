@@ -24,8 +24,8 @@ std::array<Turn, 2> turnsOf(int a, int b, int c, int d) {
 
 }  // namespace
 
-TagPattern::TagPattern(const std::string& family, int id, bool bare_corners) : bare_corners_(bare_corners) {
-  const MarkerBitmap bitmap = tagBitmap(family, id);
+TagPattern::TagPattern(const std::string& family, int id, bool bare_corners, int border_bits) : bare_corners_(bare_corners) {
+  const MarkerBitmap bitmap = tagBitmap(family, id, border_bits);
   width_ = bitmap.width;
   for (int row = 0; row < width_; ++row) {
     for (int column = 0; column < width_; ++column) white_.push_back(bitmap.isWhite(column, row) || !isKnown(column, row) ? 1 : 0);

@@ -31,8 +31,8 @@ class TagPattern {
  public:
   /// @param bare_corners  whether the margin's outer corner cells are as the family draws them; false: something else may be printed there
   /// (the squares between the tags of an aprilgrid).
-  /// @throws InvalidArgument for an unknown family or id.
-  TagPattern(const std::string& family, int id, bool bare_corners);
+  /// @param border_bits  width of the black border [cells]. @throws InvalidArgument as tagBitmap().
+  TagPattern(const std::string& family, int id, bool bare_corners, int border_bits = 1);
 
   int width() const { return width_; }
   /// Column k: corner k of the contract (bottom-left, bottom-right, top-right, top-left) [cells].

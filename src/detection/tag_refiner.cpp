@@ -40,8 +40,8 @@ double unrefinedSigma(const TagCorners& px) {
   return kSigma * shortfall * shortfall;
 }
 
-TagRefiner::TagRefiner(std::string family, bool bare_corners, std::optional<Camera> camera)
-    : family_(std::move(family)), bare_corners_(bare_corners), camera_(std::move(camera)) {}
+TagRefiner::TagRefiner(std::string family, bool bare_corners, std::optional<Camera> camera, int border_bits)
+    : family_(std::move(family)), bare_corners_(bare_corners), border_bits_(border_bits), camera_(std::move(camera)) {}
 
 std::optional<TagFit> TagRefiner::refine(const cv::Mat& grey, int id, const TagCorners& px) {
   if (!isInside(grey, px)) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<TagFit> TagRefiner::refine(const cv::Mat& grey, int id, const TagC
 const TagPattern& TagRefiner::patternOf(int id) {
   const auto known = patterns_.find(id);
   if (known != patterns_.end()) return known->second;
-  return patterns_.emplace(id, TagPattern(family_, id, bare_corners_)).first->second;
+  return patterns_.emplace(id, TagPattern(family_, id, bare_corners_, border_bits_)).first->second;
 }
 
 }  // namespace poecal

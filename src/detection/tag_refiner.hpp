@@ -20,9 +20,9 @@ double unrefinedSigma(const TagCorners& px);
 
 class TagRefiner {
  public:
-  /// @param bare_corners  as TagPattern's. @param camera  its lens bends straight edges; nothing: they are taken as straight.
+  /// @param bare_corners, border_bits  as TagPattern's. @param camera  its lens bends straight edges; nothing: they are taken as straight.
   /// @throws InvalidArgument for an unknown family.
-  TagRefiner(std::string family, bool bare_corners, std::optional<Camera> camera);
+  TagRefiner(std::string family, bool bare_corners, std::optional<Camera> camera, int border_bits = 1);
 
   /// Fits a tag to the picture, from corners that are about right on. Nothing where the tag is not wholly in the picture, the fit does not
   /// converge or moves a corner by more than a pixel, or what it finds cannot be a tag seen sharply: less contrast than 20 grey levels, a
@@ -36,6 +36,7 @@ class TagRefiner {
 
   std::string family_;
   bool bare_corners_;
+  int border_bits_;
   std::optional<Camera> camera_;
   std::map<int, TagPattern> patterns_;
 };

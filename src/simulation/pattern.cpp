@@ -1,5 +1,7 @@
 #include "simulation/pattern.hpp"
 
+#include <algorithm>
+
 #include "detection/marker_bitmap.hpp"
 #include "poecal/core/error.hpp"
 
@@ -42,7 +44,8 @@ PrintedFace tagFace(const std::string& family, const TargetTag& tag) {
   return {tag.T_target_tag, painting};
 }
 
-/// The whole grid in the plane of its first tag, whose x is right and y down, with Kalibr's black squares where the gaps cross.
+/// The whole grid in the plane of its first tag, whose x is right and y down, with Kalibr's black squares where the gaps cross. A border
+/// that is not stated is of one cell.
 PrintedFace aprilgridFace(const Target& target) {
   const Eigen::Isometry3d& T_target_face = target.tags.front().T_target_tag;
   const double size = target.tags.front().size;
@@ -54,7 +57,9 @@ PrintedFace aprilgridFace(const Target& target) {
     tags.extend(grown({centers.back(), centers.back()}, size / 2.0));
   }
   Painting painting = sheet(grown(tags, gap), gap);
-  for (std::size_t k = 0; k < centers.size(); ++k) paintMarker(painting, tagBitmap(target.family, target.tags[k].id), centers[k], size);
+  for (std::size_t k = 0; k < centers.size(); ++k) {
+    paintMarker(painting, tagBitmap(target.family, target.tags[k].id, std::max(1, target.border_bits)), centers[k], size);
+  }
   // Over the tags' white rings, so that squares touch the tags' corners as on Kalibr's sheets.
   for (int row = 0; row <= target.rows; ++row) {
     for (int column = 0; column <= target.cols; ++column) {

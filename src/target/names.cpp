@@ -39,4 +39,8 @@ const IdSet& findIdSet(std::span<const IdSet> sets, const std::string& name, con
   throw InvalidArgument(fmt::format("{} '{}' is not known, expected one of: {}", kind, name, fmt::join(names, ", ")));
 }
 
+bool mayHaveWideBorder(const std::string& family) {
+  return family == "tag36h11" || family == "tag36h10" || family == "tag25h9" || family == "tag16h5";
+}
+
 }  // namespace poecal

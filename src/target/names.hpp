@@ -20,4 +20,7 @@ std::span<const IdSet> markerDictionaries();
 /// @throws InvalidArgument that lists the known names.
 const IdSet& findIdSet(std::span<const IdSet> sets, const std::string& name, const char* kind);
 
+/// Whether tags of that family are drawn with a black border of two cells too (Kalibr's boards): the families of AprilTag 2.
+bool mayHaveWideBorder(const std::string& family);
+
 }  // namespace poecal

@@ -139,7 +139,7 @@ Target charucoTarget(int cols, int rows, double square, double marker, const std
   return target;
 }
 
-Target aprilgridTarget(const std::string& family, int cols, int rows, double tag_size, double tag_spacing, int first_id) {
+Target aprilgridTarget(const std::string& family, int cols, int rows, double tag_size, double tag_spacing, int first_id, int border_bits) {
   const IdSet& ids = findIdSet(tagFamilies(), family, "tag family");
   checkCount(cols, 1, "tagCols");
   checkCount(rows, 1, "tagRows");
@@ -149,6 +149,10 @@ Target aprilgridTarget(const std::string& family, int cols, int rows, double tag
   }
   checkTagId(first_id, ids);
   checkTagId(first_id + cols * rows - 1, ids);
+  if (border_bits < 0 || border_bits > 2) throw InvalidArgument(fmt::format("borderBits is {}, expected 1 or 2", border_bits));
+  if (border_bits == 2 && !mayHaveWideBorder(family)) {
+    throw InvalidArgument(fmt::format("borderBits is 2, which only tags of tag36h11, tag36h10, tag25h9 and tag16h5 have, not {}", family));
+  }
   Target target;
   target.type = TargetType::kAprilGrid;
   target.family = family;
@@ -156,6 +160,7 @@ Target aprilgridTarget(const std::string& family, int cols, int rows, double tag
   target.rows = rows;
   target.tag_spacing = tag_spacing;
   target.first_id = first_id;
+  target.border_bits = border_bits;
   const double pitch = tag_size * (1.0 + tag_spacing);
   for (int row = 0; row < rows; ++row) {
     for (int col = 0; col < cols; ++col) {

@@ -1,5 +1,6 @@
 #include "target/target_yaml.hpp"
 
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -73,15 +74,43 @@ Target parsePoints(const YamlNode& node) {
   return at(list, [&] { return pointsTarget(points); });
 }
 
-Target parseAprilgrid(const YamlNode& node) {
-  node.checkKeys({"type", "family", "tagCols", "tagRows", "tagSize", "tagSpacing", "firstId"});
+/// An aprilgrid's own keys are Kalibr's; `type_key` tells which of the two writes the type.
+Target parseAprilgrid(const YamlNode& node, const char* type_key) {
+  node.checkKeys({type_key, "family", "tagCols", "tagRows", "tagSize", "tagSpacing", "firstId", "codeOffset", "borderBits"});
   // Kalibr's own files name no family: its grids are always tag36h11.
   const auto family = node.find("family");
-  const auto first_id = node.find("firstId");
+  const auto first_id = node.find("firstId"), code_offset = node.find("codeOffset");
+  if (first_id && code_offset) code_offset->fail("stands beside firstId, expected one of them");
+  const auto border = node.find("borderBits");
+  const int border_bits = border ? border->integer() : 0;
+  if (border && (border_bits < 1 || border_bits > 2)) border->fail(fmt::format("is {}, expected 1 or 2", border_bits));
   return at(node, [&] {
     return aprilgridTarget(family ? readFamily(*family) : "tag36h11", node["tagCols"].integer(), node["tagRows"].integer(),
-                           node["tagSize"].positive(), node["tagSpacing"].positive(), first_id ? first_id->integer() : 0);
+                           node["tagSize"].positive(), node["tagSpacing"].positive(),
+                           first_id      ? first_id->integer()
+                           : code_offset ? code_offset->integer()
+                                         : 0,
+                           border_bits);
   });
+}
+
+Target parseKalibrCheckerboard(const YamlNode& node) {
+  node.checkKeys({"target_type", "targetCols", "targetRows", "rowSpacingMeters", "colSpacingMeters"});
+  const double square = node["colSpacingMeters"].positive();
+  const YamlNode rows = node["rowSpacingMeters"];
+  constexpr double kSame = 1e-6;  // relative; a typing error is more
+  if (!(std::abs(rows.positive() - square) <= kSame * square)) {
+    rows.fail(fmt::format("is {} and colSpacingMeters {}, expected squares", formatNumber(rows.positive()), formatNumber(square)));
+  }
+  return at(node, [&] { return chessboardTarget(node["targetCols"].integer(), node["targetRows"].integer(), square); });
+}
+
+Target parseKalibrTarget(const YamlNode& node) {
+  const YamlNode type = node["target_type"];
+  const std::string name = type.text();
+  if (name == "aprilgrid") return parseAprilgrid(node, "target_type");
+  if (name == "checkerboard") return parseKalibrCheckerboard(node);
+  type.fail(fmt::format("is '{}', expected aprilgrid or checkerboard", name));
 }
 
 Target parseCharuco(const YamlNode& node) {
@@ -129,6 +158,7 @@ std::vector<std::string> yamlLines(const Target& target) {
                "tagSize: " + formatNumber(target.tags.front().size),
                "tagSpacing: " + formatNumber(target.tag_spacing),
                fmt::format("firstId: {}", target.first_id)};
+      if (target.border_bits > 0) lines.push_back(fmt::format("borderBits: {}", target.border_bits));
       break;
     case TargetType::kCharuco:
       lines = {"type: charuco",
@@ -149,11 +179,12 @@ std::vector<std::string> yamlLines(const Target& target) {
 }  // namespace
 
 Target parseTarget(const YamlNode& node) {
+  if (node.has("target_type") && !node.has("type")) return parseKalibrTarget(node);
   const YamlNode type = node["type"];
   const std::string name = type.text();
   if (name == "apriltag") return parseTags(node);
   if (name == "points") return parsePoints(node);
-  if (name == "aprilgrid") return parseAprilgrid(node);
+  if (name == "aprilgrid") return parseAprilgrid(node, "type");
   if (name == "charuco") return parseCharuco(node);
   if (name == "chessboard") return parseChessboard(node);
   type.fail(fmt::format("is '{}', expected apriltag, points, aprilgrid, charuco or chessboard", name));

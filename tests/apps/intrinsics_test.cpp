@@ -1,5 +1,6 @@
 // poecal intrinsics on tags, whose edges are as the lens bends them.
 #include <cmath>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 
@@ -32,6 +33,36 @@ TEST(IntrinsicsCommand, TagsAreFittedOnceMoreWithTheLensThatTheyGave) {
   const Camera found = readCamera(folder.path() / "camera.yaml"), truth = readCamera(folder.path() / "capture-truth/camera.yaml");
   EXPECT_LT(std::abs(found.fx - truth.fx), kDeviations * found.standard_deviation(0));
   EXPECT_LT(std::abs(found.fy - truth.fy), kDeviations * found.standard_deviation(1));
+}
+
+/// Pictures of a chessboard of 6 x 5 inner corners in capture/intrinsics.
+void simulateBoardPictures(const test::TempFolder& folder) {
+  test::writeSmallScene(folder.path(), test::SmallCell::kPictures, "intrinsics: {target: board.yaml, count: 6}\n", 1);
+  folder.write("scene/board.yaml", "type: chessboard\ncols: 6\nrows: 5\nsquare: 0.06\n");
+  ASSERT_EQ(test::runProgram(folder.path(), "simulate scene/scene.yaml --out capture").status, 0);
+}
+
+TEST(IntrinsicsCommand, WhyItFailsIsSaidPictureByPicture) {
+  const test::TempFolder folder;
+  simulateBoardPictures(folder);
+  folder.write("capture/intrinsics/target.yaml", "type: chessboard\ncols: 7\nrows: 6\nsquare: 0.06\n");
+  const test::ProgramRun run = test::runProgram(folder.path(), "intrinsics capture/intrinsics --out camera.yaml");
+  EXPECT_EQ(run.status, 4);
+  EXPECT_THAT(run.err,
+              testing::HasSubstr("no chessboard of 7 x 6 inner corners was found; one of 6 x 5 was: cols and rows count inner corners"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "camera.yaml"));
+}
+
+TEST(IntrinsicsCommand, CoefficientsThatAnyValueFitsAreHeldAndSaid) {
+  const test::TempFolder folder;
+  simulateBoardPictures(folder);
+  const test::ProgramRun run =
+      test::runProgram(folder.path(), "intrinsics capture/intrinsics --model rational_polynomial --out camera.yaml");
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, testing::HasSubstr("held: any value fits"));
+  EXPECT_THAT(run.out, testing::Not(testing::HasSubstr("nan")));
+  EXPECT_THAT(run.out, testing::HasSubstr("projection: 1 sigma is"));
+  EXPECT_EQ(readCamera(folder.path() / "camera.yaml").distortion(7), 0.0) << "k6";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Cameras that the tests share: lenses as they occur, one per model.
+// Cameras that the tests share: lenses as they occur, one per model of the table.
 #pragma once
 
 #include <vector>
@@ -34,6 +34,11 @@ inline Camera equidistantCamera() {
   return camera;
 }
 
-inline std::vector<Camera> exampleCameras() { return {plumbBobCamera(), rationalCamera(), equidistantCamera()}; }
+/// A rational lens whose elements are tilted against each other.
+inline Camera thinPrismCamera() {
+  return makeCamera(DistortionModel::kThinPrism, {0.52, -2.7, 0.0006, -0.0002, 1.6, 0.4, -2.5, 1.5, 0.004, -0.002, -0.003, 0.0015});
+}
+
+inline std::vector<Camera> exampleCameras() { return {plumbBobCamera(), rationalCamera(), equidistantCamera(), thinPrismCamera()}; }
 
 }  // namespace poecal::test

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <opencv2/calib3d.hpp>
@@ -165,9 +167,21 @@ TEST(Camera, PixelsThatNoRayReachesHaveNone) {
   EXPECT_FALSE(unproject(camera, {std::numeric_limits<double>::infinity(), 0.0}));
 }
 
+TEST(Camera, EveryModelIsInTheTableWithItsNames) {
+  std::set<std::string> names;
+  for (const DistortionModel model : kDistortionModels) {
+    EXPECT_TRUE(names.insert(distortionModelName(model)).second) << distortionModelName(model);
+    EXPECT_EQ(findDistortionModel(distortionModelName(model)), model);
+    const Camera camera = test::makeCamera(model, std::vector<double>(static_cast<std::size_t>(distortionCount(model)), 0.0));
+    EXPECT_EQ(camera.parameterNames().size(), static_cast<std::size_t>(camera.parameterCount()));
+    EXPECT_LE(camera.parameterCount(), Camera::kMaxParameters);
+  }
+  EXPECT_EQ(test::exampleCameras().size(), names.size());
+}
+
 TEST(Camera, MissingCoefficientsAreZero) {
   const Eigen::Vector3d p(0.3, -0.2, 1.0);
-  for (const DistortionModel model : {DistortionModel::kPlumbBob, DistortionModel::kRationalPolynomial, DistortionModel::kEquidistant}) {
+  for (const DistortionModel model : kDistortionModels) {
     Camera full = test::makeCamera(model, std::vector<double>(static_cast<std::size_t>(distortionCount(model)), 0.0));
     full.distortion(0) = -0.2;
     const Camera brief = test::makeCamera(model, {-0.2});

@@ -50,6 +50,45 @@ TEST(AprilGrid, CornersOfKalibrsSheetAreFoundAsSaddles) {
   EXPECT_LT(quantile(errors, 1.0), 0.1);
 }
 
+/// Rms and largest distance of what is found in one rendered picture of `drawn`, when `searched` is looked for, and how many corners.
+struct Found {
+  std::size_t corners = 0;
+  double rms_px = 0.0, largest_px = 0.0;
+};
+
+Found findIn(const Target& drawn, const Target& searched, bool with_lens) {
+  const Camera camera = test::plumbBob(1280, 960, {1400.0, 1400.0}, {640.0, 480.0}, {-0.08});
+  Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
+  T_camera_target.linear() = expSo3({M_PI + 0.3, -0.2, 0.0}) * expSo3({0.0, 0.0, 0.4});
+  T_camera_target.translation() = Eigen::Vector3d(0.0, 0.0, 0.75) - T_camera_target.linear() * Eigen::Vector3d(0.19, 0.12, 0.0);
+  const test::TempFolder folder;
+  cv::imwrite((folder.path() / "picture.png").string(), renderTarget(camera, drawn, T_camera_target, {}, 5, 1));
+  DetectOptions options;
+  if (with_lens) options.camera = camera;
+  const DetectResult result = detect(folder.path(), {"picture.png"}, searched, options);
+  std::vector<double> errors;
+  for (const Corner& corner : result.detections.images[0].corners) {
+    errors.push_back((corner.px - *project(camera, T_camera_target * drawn.find(corner.id)->p_target)).norm());
+  }
+  return errors.empty() ? Found{} : Found{errors.size(), rms(errors), quantile(errors, 1.0)};
+}
+
+// Kalibr's tags have a black border of two cells, which libapriltag does not read.
+TEST(AprilGrid, BordersOfOneAndTwoCellsAreReadAsThePictureHasThem) {
+  const auto grid = [](int border_bits) { return aprilgridTarget("tag36h11", 6, 4, 0.05, 0.3, 7, border_bits); };
+  for (const int drawn : {1, 2}) {
+    for (const int stated : {0, drawn}) {
+      const Found found = findIn(grid(drawn), grid(stated), true);
+      EXPECT_GT(found.corners, 86U) << drawn << " " << stated;  // nine of ten
+      EXPECT_LT(found.rms_px, 0.02) << drawn << " " << stated;
+      EXPECT_LT(found.largest_px, 0.1) << drawn << " " << stated;
+    }
+    EXPECT_EQ(findIn(grid(drawn), grid(3 - drawn), true).corners, 0U) << drawn;
+  }
+  // Without the lens edges are taken as straight, and the picture is as good as saddles are.
+  EXPECT_LT(findIn(grid(2), grid(0), false).rms_px, 0.1);
+}
+
 // A lone tag has no neighbours that would contradict corners that the squares have drawn away.
 TEST(AprilGrid, ALoneTagWhoseCornersAreOffIsLeftOut) {
   constexpr double kTolerance = 0.1;  // [px]; a large tag fitted through its lens is good to 0.01, corners drawn away are off by pixels

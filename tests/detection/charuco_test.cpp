@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 #include <opencv2/aruco/charuco.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "detection/corner_finder.hpp"
 #include "poecal/core/csv.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/detection/detector.hpp"
 #include "support/random.hpp"
 #include "support/rendering.hpp"
@@ -12,6 +14,7 @@
 namespace poecal {
 namespace {
 
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(Charuco, DictionariesStandInOpenCvsOrder) {
@@ -54,6 +57,54 @@ TEST(Charuco, RenderedCornersAreAtTheContractsPoints) {
   }
   EXPECT_LT(errors.mean().cwiseAbs().maxCoeff(), kMean) << errors.mean().transpose();
   EXPECT_LT(errors.rmsAboutMean(), kRms);
+}
+
+/// A picture of a board of 5 x 7 squares of DICT_5X5_100, as OpenCV draws it.
+cv::Mat charucoPicture(Rng& rng) {
+  cv::Mat texture;
+  cv::aruco::CharucoBoard::create(5, 7, 0.04F, 0.03F, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100))
+      ->draw({320, 448}, texture);
+  test::Quad ends, corners;
+  ends << -0.5, 319.5, 319.5, -0.5, -0.5, -0.5, 447.5, 447.5;
+  corners << 60, 280, 300, 40, 30, 50, 360, 340;
+  cv::Mat picture(400, 360, CV_8UC1, cv::Scalar(255));
+  test::drawTexture(picture, texture, ends, corners);
+  test::degrade(picture, rng, 0.7, 1.0);
+  return picture;
+}
+
+DetectResult detectIn(const cv::Mat& picture, const Target& target) {
+  const test::TempFolder folder;
+  cv::imwrite((folder.path() / "board.png").string(), picture);
+  return detect(folder.path(), {"board.png"}, target, {});
+}
+
+TEST(Charuco, AMirroredBoardIsSaid) {
+  Rng rng = test::rngOfThisTest();
+  cv::Mat mirrored;
+  cv::flip(charucoPicture(rng), mirrored, 1);
+  EXPECT_THAT([&] { detectIn(mirrored, charucoTarget(5, 7, 0.04, 0.03, "DICT_5X5_100")); },
+              ::testing::ThrowsMessage<FileError>(HasSubstr("board.png: shows the target's markers mirrored")));
+}
+
+TEST(Charuco, AnotherDictionaryIsNamed) {
+  Rng rng = test::rngOfThisTest();
+  const DetectResult result = detectIn(charucoPicture(rng), charucoTarget(5, 7, 0.04, 0.03, "DICT_4X4_50"));
+  ASSERT_FALSE(result.notes.empty());
+  EXPECT_THAT(result.notes.back().message, HasSubstr("17 markers of DICT_5X5_* were seen; target.yaml says DICT_4X4_50"));
+}
+
+TEST(Charuco, SidesThatAreExchangedAreNamed) {
+  Rng rng = test::rngOfThisTest();
+  const cv::Mat picture = charucoPicture(rng);
+  const Finding exchanged = makeCharucoFinder(charucoTarget(7, 5, 0.04, 0.03, "DICT_5X5_100"))->find(picture);
+  EXPECT_THAT(exchanged.corners, IsEmpty());
+  EXPECT_THAT(exchanged.notes,
+              ::testing::ElementsAre("the markers do not lie as on a board of 7 x 5 squares; they do on one with 5 squares a "
+                                     "row: cols and rows are exchanged"));
+  // Inner corners counted instead of squares.
+  EXPECT_THAT(makeCharucoFinder(charucoTarget(4, 6, 0.04, 0.03, "DICT_5X5_100"))->find(picture).notes,
+              ::testing::ElementsAre("the markers do not lie as on a board of 4 x 6 squares; they do on one with 5 squares a row"));
 }
 
 TEST(Charuco, NoBoardIsSaid) {

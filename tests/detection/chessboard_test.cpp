@@ -65,6 +65,22 @@ TEST(Chessboard, NoBoardIsSaid) {
               ::testing::ElementsAre("no chessboard of 9 x 6 inner corners was found"));
 }
 
+TEST(Chessboard, ABoardOfAnotherSizeIsNamed) {
+  Rng rng = test::rngOfThisTest();
+  test::Quad ends, texture_ends;
+  ends << 120, 500, 470, 140, 90, 130, 380, 350;
+  cv::Mat picture = boardPicture(9, 6, ends, texture_ends, {640, 480});
+  test::degrade(picture, rng, 0.8, 2.0);
+  const auto notes = [&](int cols, int rows) { return makeChessboardFinder(chessboardTarget(cols, rows, 0.02))->find(picture).notes; };
+  EXPECT_THAT(notes(10, 7), ::testing::ElementsAre("no chessboard of 10 x 7 inner corners was found; one of 9 x 6 was: cols and rows "
+                                                   "count inner corners"));
+  EXPECT_THAT(notes(7, 10), ::testing::ElementsAre("no chessboard of 7 x 10 inner corners was found; one of 6 x 9 was: cols and rows "
+                                                   "count inner corners"));
+  EXPECT_THAT(notes(12, 9), ::testing::ElementsAre("no chessboard of 12 x 9 inner corners was found; one of 9 x 6 was"));
+  EXPECT_THAT(notes(9, 6), IsEmpty());
+  EXPECT_THAT(notes(6, 9), IsEmpty()) << "the same board, turned";
+}
+
 TEST(ChessboardReal, CalibratesAsWellAsPublished) {
   POECAL_REQUIRE_REAL("chessboard-left");
   const std::filesystem::path folder = test::realFolder() / "chessboard-left";

@@ -1,8 +1,11 @@
 // What is printed on a tag: the quick answer to what lies about a point is the slow one.
 #include "detection/tag_pattern.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
+#include "poecal/core/error.hpp"
 #include "support/random.hpp"
 
 namespace poecal {
@@ -21,6 +24,21 @@ TEST(TagPattern, WhatIsUniformAboutAPointIsUniformInTheBoxAboutIt) {
   }
   EXPECT_GT(uniform, 200);
   EXPECT_LT(uniform, 1800);
+}
+
+TEST(TagPattern, AWideBorderIsOneMoreRingOfBlack) {
+  const TagPattern narrow("tag36h11", 17, true), wide("tag36h11", 17, true, 2);
+  ASSERT_EQ(wide.width(), narrow.width() + 2);
+  for (int row = 0; row < wide.width(); ++row) {
+    for (int column = 0; column < wide.width(); ++column) {
+      const int ring = std::min({row, column, wide.width() - 1 - row, wide.width() - 1 - column});
+      const int expected = ring == 0 ? 1 : ring <= 2 ? 0 : narrow.white(column - 1, row - 1);
+      EXPECT_EQ(wide.white(column, row), expected) << column << ", " << row;
+    }
+  }
+  EXPECT_EQ(wide.corners()(0, 1) - wide.corners()(0, 0), 10.0);
+  EXPECT_EQ(wide.corners().rowwise().mean(), Eigen::Vector2d(6.0, 6.0));
+  EXPECT_THROW(TagPattern("tagStandard41h12", 1, true, 2), InvalidArgument);
 }
 
 TEST(TagPattern, ContainsWhatLiesInItsCells) {

@@ -68,6 +68,27 @@ TEST_F(TargetYaml, EveryTypeReadsBackAsItself) {
   }
 }
 
+TEST_F(TargetYaml, ReadsKalibrsFiles) {
+  const Target grid = read("target_type: 'aprilgrid' #gridtype\ntagCols: 6\ntagRows: 5\ntagSize: 0.088\ntagSpacing: 0.3\n");
+  const Target same = aprilgridTarget("tag36h11", 6, 5, 0.088, 0.3, 0);
+  EXPECT_EQ(targetYaml(grid), targetYaml(same));
+  EXPECT_EQ(grid.border_bits, 0) << "found from each picture";
+  const Target later =
+      read("target_type: aprilgrid\ntagCols: 6\ntagRows: 5\ntagSize: 0.088\ntagSpacing: 0.3\ncodeOffset: 7\nborderBits: 2\n");
+  EXPECT_EQ(later.first_id, 7);
+  EXPECT_EQ(later.border_bits, 2);
+  EXPECT_EQ(read(targetYaml(later)).border_bits, 2);
+  const std::string board = "target_type: checkerboard\ntargetCols: 7\ntargetRows: 6\nrowSpacingMeters: 0.06\ncolSpacingMeters: ";
+  EXPECT_EQ(targetYaml(read(board + "0.06\n")), targetYaml(chessboardTarget(7, 6, 0.06)));
+  EXPECT_THAT(messageOf(board + "0.05\n"),
+              HasSubstr("target.yaml:4: rowSpacingMeters: is 0.06 and colSpacingMeters 0.05, expected squares"));
+  EXPECT_THAT(messageOf("target_type: circlegrid\n"), HasSubstr("target.yaml:1: target_type: is 'circlegrid', expected aprilgrid or"));
+  EXPECT_THAT(messageOf("type: aprilgrid\nborderBits: 3\n"), HasSubstr("target.yaml:2: borderBits: is 3, expected 1 or 2"));
+  EXPECT_THAT(
+      messageOf("type: aprilgrid\nfamily: tagStandard41h12\ntagCols: 2\ntagRows: 2\ntagSize: 0.1\ntagSpacing: 0.3\nborderBits: 2\n"),
+      HasSubstr("borderBits is 2, which only tags of"));
+}
+
 TEST_F(TargetYaml, StandsInsideOtherFilesWithItsIndentation) {
   const std::string content = "target:\n" + targetYamlLines(chessboardTarget(9, 6, 0.025), "  ") + "after: 1\n";
   const YamlNode root = YamlNode::load(folder_.write("model.yaml", content));

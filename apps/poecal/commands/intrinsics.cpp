@@ -1,5 +1,6 @@
 // poecal intrinsics: camera intrinsics from pictures of a board.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,7 +21,7 @@ namespace {
 struct Arguments {
   std::filesystem::path folder, out;
   std::string model = distortionModelName(IntrinsicsOptions{}.model);
-  bool drop_bad = false;
+  bool plain = false;
 };
 
 constexpr const char* kExample = R"(
@@ -53,6 +54,11 @@ std::vector<const ViewResidual*> worstFirst(const IntrinsicsResult& result) {
   return views;
 }
 
+std::string deviationText(const IntrinsicsFit& fit, const std::string& name, double deviation) {
+  if (std::find(fit.held.begin(), fit.held.end(), name) != fit.held.end()) return "held: any value fits";
+  return std::isfinite(deviation) ? fmt::format("+- {:.2g}", deviation) : "(open)";
+}
+
 std::string summaryText(const Arguments& arguments, const IntrinsicsResult& result) {
   constexpr std::size_t kWorstShown = 3;
   const IntrinsicsFit& fit = result.chosen();
@@ -61,14 +67,19 @@ std::string summaryText(const Arguments& arguments, const IntrinsicsResult& resu
   const Eigen::VectorXd values = fit.camera.parameters();
   const std::vector<std::string> names = fit.camera.parameterNames();
   for (Eigen::Index k = 0; k < values.size(); ++k) {
-    text += fmt::format("  {:<3} {:>11.{}f} +- {:.2g}\n", names[static_cast<std::size_t>(k)], values(k), k < 4 ? 3 : 5,
-                        fit.camera.standard_deviation(k));
+    const std::string& name = names[static_cast<std::size_t>(k)];
+    text +=
+        fmt::format("  {:<3} {:>11.{}f} {}\n", name, values(k), k < 4 ? 3 : 5, deviationText(fit, name, fit.camera.standard_deviation(k)));
   }
+  text += fmt::format("projection: 1 sigma is {:.2g} px in the median over the picture, {:.2g} px at most\n", fit.uncertainty.median_px,
+                      fit.uncertainty.largest_px);
   const std::vector<const ViewResidual*> worst = worstFirst(result);
   text += "worst pictures:\n";
   for (std::size_t k = 0; k < std::min(kWorstShown, worst.size()); ++k) {
     text += fmt::format("  {}  {:.3f} px rms, {:.2f} px at most{}\n", worst[k]->image, worst[k]->rms_px, worst[k]->max_px,
-                        worst[k]->bad ? "  (bad)" : "");
+                        !worst[k]->bad     ? ""
+                        : result.is_robust ? "  (bad, left out)"
+                                           : "  (bad)");
   }
   return text + fmt::format("{}: every picture's residuals\n", residualsFile(arguments.out).string());
 }
@@ -94,6 +105,9 @@ nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& r
           {"sigma_px", fit.sigma_px},
           {"pictures", fit.pictures},
           {"points", fit.points},
+          {"outliers", fit.outliers},
+          {"held", fit.held},
+          {"projection_uncertainty_px", {{"median", fit.uncertainty.median_px}, {"largest", fit.uncertainty.largest_px}}},
           {"bad_pictures", bad},
           {"warnings", result.warnings}};
 }
@@ -101,7 +115,7 @@ nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& r
 int run(const Arguments& arguments, const Common& common) {
   IntrinsicsOptions options;
   options.model = findDistortionModel(arguments.model).value();
-  options.drop_bad = arguments.drop_bad;
+  options.robust = !arguments.plain;
   TerminalListener listener(common);
   const IntrinsicsResult result = calibrateBoardFolder(arguments.folder, options, common.jobs, arguments.out, listener);
   printSummary(common, summaryText(arguments, result), summaryJson(arguments, result));
@@ -117,7 +131,10 @@ std::function<int()> setUpIntrinsics(CLI::App& app, const Common& common) {
   app.add_option("FOLDER", arguments->folder, "Pictures of a board, and its target.yaml")->required();
   app.add_option("--out", arguments->out, "The camera file to write; STEM-residuals.csv goes beside it")->required();
   app.add_option("--model", arguments->model, "Distortion model")->check(CLI::IsMember(models))->capture_default_str();
-  app.add_flag("--drop-bad", arguments->drop_bad, "Leave the bad pictures out, not only name them");
+  app.add_flag("--plain", arguments->plain,
+               "Plain least squares over every corner of every picture: bad pictures are only named, and wild corners count");
+  // What it asked for is what happens without it now.
+  app.add_flag("--drop-bad")->group("");
   app.footer(kExample);
   return [arguments, &common] { return run(*arguments, common); };
 }

@@ -47,7 +47,7 @@ struct Capture {
   std::optional<Arm> arm;
   std::filesystem::path robot_file;  ///< robot.yaml or URDF; empty where none is named
   std::string base_link, tip_link;   ///< URDF only
-  std::optional<Camera> camera;      ///< unset where intrinsics: names a folder instead
+  std::optional<Camera> camera;      ///< unset where intrinsics: names a folder instead; 0 x 0 where its file is K and D alone
   std::filesystem::path intrinsics_folder;
   Target target;
   std::optional<Target> reference;

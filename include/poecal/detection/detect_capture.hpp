@@ -14,4 +14,8 @@ namespace poecal {
 /// @throws as detect().
 DetectResult detectCapture(const Capture& capture, DetectOptions options, KnownCorners* known = nullptr);
 
+/// Gives a camera of 0 x 0 pixels (readCameraOfPictures) the size of the capture's first picture that can be read.
+/// @throws FileError where there is none.
+void takeSizeFromPictures(Capture& capture);
+
 }  // namespace poecal

@@ -52,14 +52,16 @@ struct DetectResult {
 /// Their corners are then fitted to the picture (options.refine). Each states its sigma: the fit's, or that of AprilTag's own corners; what
 /// the fits say of blur, noise and growth is the picture's look, by the median of its tags.
 /// The only tag of an aprilgrid in a picture is left out where it cannot be fitted: black squares at its corners pull them off by pixels.
-/// A tag id seen twice in one picture gives no corners for that id. A picture that fails gives a note. Where no tag was seen at all but
-/// tags of another family are there, the last note says so.
+/// An aprilgrid's tags have a black border of one or two cells: as the target states it, or whichever the picture shows.
+/// A tag id seen twice in one picture gives no corners for that id. A picture that fails alone is a note. Where nothing was seen at all but
+/// tags of another family or markers of another dictionary are there, the last note says so.
 /// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;
-/// others look the same after half a turn and start where OpenCV starts.
+/// others look the same after half a turn and start where OpenCV starts. Where only a board of another size is seen, the note names it; a
+/// ChArUco board whose markers lie elsewhere than stated gives no corners.
 /// @param known  corners found before: a picture of the same bytes with the same detectionKey() is not searched again, and what is found
 /// joins them as each picture is finished. The result is the same with and without.
 /// @throws InvalidArgument for an unknown family or dictionary, or a target of single points, which pictures do not show. FileError where
-/// no tag was seen and the pictures show the target's tags mirrored.
+/// nothing was seen and the pictures show the target's tags or markers mirrored.
 DetectResult detect(const std::filesystem::path& folder, const std::vector<std::string>& images, const Target& target,
                     const DetectOptions& options, KnownCorners* known = nullptr);
 

@@ -42,6 +42,7 @@ struct Target {
   std::string dictionary;           ///< charuco, OpenCV's name
   double tag_spacing = 0.0;         ///< aprilgrid: gap between tags / tag size
   int first_id = 0;                 ///< aprilgrid
+  int border_bits = 0;              ///< aprilgrid: width of the tags' black border [cells]; 0: not stated, found from each picture
   std::vector<TargetPoint> points;  ///< every named point, sorted by id
 
   /// The point, or nullptr where the target has none of that name.
@@ -61,11 +62,16 @@ Target chessboardTarget(int cols, int rows, double square);
 /// Corner (col, row) at ((col + 1) square, (row + 1) square, 0): OpenCV 4.6's CharucoBoard::create.
 Target charucoTarget(int cols, int rows, double square, double marker, const std::string& dictionary);
 /// Kalibr's grid: tag first_id at the origin with its corner 0, ids grow along x, then along y (up); z out of the board.
-Target aprilgridTarget(const std::string& family, int cols, int rows, double tag_size, double tag_spacing, int first_id);
+/// The tags' corners are those of their black border, which is border_bits cells wide: 1 as AprilTag draws it, 2 as Kalibr does, 0 for
+/// whichever a picture shows. @throws InvalidArgument as well for two cells of a family that nobody draws so.
+Target aprilgridTarget(const std::string& family, int cols, int rows, double tag_size, double tag_spacing, int first_id,
+                       int border_bits = 0);
 /// Single points from another detector; tag = id, corner 0.
 Target pointsTarget(const std::vector<TargetPoint>& points);
 
-/// Reads target.yaml. @throws FileError with the line: unknown type or keys, a size that is missing or not positive, repeated ids.
+/// Reads target.yaml, or Kalibr's form of it (`target_type`: aprilgrid or checkerboard).
+/// @throws FileError with the line: unknown type or keys, a checkerboard whose cells are not square, a size that is missing or not
+/// positive, repeated ids.
 Target readTarget(const std::filesystem::path& file);
 std::string targetYaml(const Target& target);
 

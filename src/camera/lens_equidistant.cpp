@@ -4,11 +4,13 @@
 #include <cmath>
 
 #include "camera/bisection.hpp"
-#include "camera/distortion.hpp"
 #include "camera/growth.hpp"
+#include "camera/lens_model.hpp"
 
 namespace poecal {
 namespace {
+
+constexpr Coefficient kCoefficients[] = {{"k1", 1.0}, {"k2", 1.0}, {"k3", 1.0}, {"k4", 1.0}};
 
 std::array<double, 4> coefficients(const Eigen::VectorXd& k) {
   assert(k.size() <= 4);
@@ -66,5 +68,8 @@ std::optional<Eigen::Vector3d> rayOfRadiusEquidistant(const Eigen::VectorXd& k, 
   if (!theta) return std::nullopt;
   return Eigen::Vector3d(std::sin(*theta) * unit.x(), std::sin(*theta) * unit.y(), std::cos(*theta));
 }
+
+constinit const LensModel kEquidistantLens{DistortionModel::kEquidistant, "equidistant", kCoefficients, distortEquidistant,
+                                           rayOfRadiusEquidistant};
 
 }  // namespace poecal
