@@ -18,6 +18,7 @@ namespace poecal {
 namespace {
 
 constexpr std::size_t kFewestPoses = 12;
+constexpr std::size_t kIdentified = 2;  // rung
 
 MeasuredCell measuredCell(const Identification& identification, const Measurements& measurements, const DiagnoseOptions& options) {
   MeasuredCell measured;
@@ -84,11 +85,33 @@ std::string rungName(const Selection& selection, const std::vector<std::size_t>&
   return name;
 }
 
+/// Captures of so few poses that a name is given only to what serves poses that its fit did not see.
+bool isSmall(const MeasuredCell& measured) {
+  constexpr std::size_t kFew = 30;
+  return measured.groups.size() <= kFew;
+}
+
 /// Whether a finding serves poses that its fit did not see. What is beyond doubt need only not harm them: an effect that shows in a few
 /// poses gains too little in the mean of all to stand out of their scatter.
 bool servesOthers(const FoundEffect& found, double gain) {
   constexpr double kBeyondChance = 1.96, kBeyondDoubt = 20.0;
   return gain > (found.log_bayes > kBeyondDoubt ? 0.0 : kBeyondChance);
+}
+
+/// What the whole model is judged by: rungs with all findings and with none, other poses held out together.
+std::vector<RungPair> blockRungs(const Ladder& ladder, const std::vector<std::size_t>& findings) {
+  std::vector<RungPair> pairs;
+  for (const HeldOut kind : ladder.blocks()) pairs.push_back({ladder.identifiedRung(kind), ladder.rungWith("", findings, kind)});
+  return pairs;
+}
+
+void tellGap(const Gap& gap, const std::vector<Rung>& rungs, Diagnosis& diagnosis) {
+  for (const Rung& rung : rungs) diagnosis.stages.push_back(gap.stageOf(rung));
+  diagnosis.noise_rms = gap.noiseRms();
+  diagnosis.noise_bounds = gap.noiseBounds();
+  diagnosis.before_excess = diagnosis.stages[kIdentified].excess;
+  diagnosis.after_excess = diagnosis.stages.back().excess;
+  diagnosis.after_interval = gap.remaining();
 }
 
 /// The ladder, and how much each finding shrinks the excess. @return for each finding whether it serves poses that its fit did not see.
@@ -99,14 +122,14 @@ std::vector<bool> climb(const Selection& selection, const Identification& identi
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     taken.push_back(i);
-    rungs.push_back(ladder.rungWith(rungName(selection, taken), taken));
+    rungs.push_back(ladder.rungWith(rungName(selection, taken), taken, HeldOut::kRandom));
   }
-  for (const Rung& rung : rungs) diagnosis.stages.push_back(ladder.stageOf(rung, rungs.back()));
-  constexpr std::size_t kIdentified = 2;
-  diagnosis.noise_rms = ladder.noiseRms(rungs.back());
-  diagnosis.before_excess = diagnosis.stages[kIdentified].excess;
-  diagnosis.after_excess = diagnosis.stages.back().excess;
-  if (!taken.empty()) diagnosis.shrinkage = ladder.shrinkage(rungs[kIdentified], rungs.back());
+  const MeasurementNoise noise = measurementNoise(selection.measured, selection.linear, identification.sigmas_stated);
+  const Gap gap(selection, noise, rungs, options.seed);
+  diagnosis.noise_source = noise.source;
+  diagnosis.noise_known = noise.known;
+  tellGap(gap, rungs, diagnosis);
+  if (!taken.empty()) diagnosis.shrinkage = gap.shrinkage(rungs[kIdentified], rungs.back(), blockRungs(ladder, taken));
   std::vector<bool> serves;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     std::vector<std::size_t> others;
@@ -114,17 +137,19 @@ std::vector<bool> climb(const Selection& selection, const Identification& identi
       if (j != i) others.push_back(j);
     }
     std::optional<Rung> made;
-    const Rung& without = others.empty() ? rungs[kIdentified] : made.emplace(ladder.rungWith("", others));
-    diagnosis.findings[i].shrinkage = made ? ladder.shrinkage(without, rungs.back()) : diagnosis.shrinkage;
-    serves.push_back(servesOthers(selection.findings[i], ladder.gain(without, rungs.back())));
+    const Rung& without = others.empty() ? rungs[kIdentified] : made.emplace(ladder.rungWith("", others, HeldOut::kRandom));
+    diagnosis.findings[i].shrinkage = made ? gap.shrinkage(without, rungs.back(), {}) : diagnosis.shrinkage;
+    serves.push_back(servesOthers(selection.findings[i], gain(without, rungs.back())));
   }
   return serves;
 }
 
 }  // namespace
 
-Diagnosis diagnose(const Identification& identification, const Measurements& measurements, const DiagnoseOptions& options) {
+Diagnosis diagnose(const Identification& identification, const Measurements& given, const DiagnoseOptions& options) {
   if (!identification.start.arm) throw InsufficientData("a diagnosis needs joint readings");
+  Measurements measurements = given;
+  const RowOrder row_order = standInByRowOrder(measurements.samples);
   const MeasuredCell measured = measuredCell(identification, measurements, options);
   if (measured.groups.size() < kFewestPoses) {
     throw InsufficientData(
@@ -135,14 +160,16 @@ Diagnosis diagnose(const Identification& identification, const Measurements& mea
   const std::vector<std::size_t> wild = grosslyWild(identification, measured);
   // A curve of unknown shape that does not serve poses which it did not see is none that could be told of, nor is what came after it. Where
   // it is the first, what has a name may still serve; names that do not either are not given in its place.
+  std::vector<Finding> possibilities;
   for (SearchLimits limits;;) {
     const Selection selection = selectEffects(measured, state, wild, limits);
-    Diagnosis diagnosis = tellFindings(selection);
+    Diagnosis diagnosis = tellFindings(selection, row_order);
     const std::vector<bool> serves = climb(selection, identification, options, diagnosis);
     std::size_t useless = 0;
     for (; useless < diagnosis.findings.size(); ++useless) {
       const std::string& effect = diagnosis.findings[useless].effect;
-      if (effect != "joint_scatter" && (effect == "unknown" || !limits.curves) && !serves[useless]) break;
+      const bool judged = effect == "unknown" || !limits.curves || isSmall(measured);
+      if (!selection.findings[useless].scatter && judged && !serves[useless]) break;
     }
     if (useless == diagnosis.findings.size()) {
       tellNoise(selection, diagnosis);
@@ -152,7 +179,13 @@ Diagnosis diagnose(const Identification& identification, const Measurements& mea
       tellExplained(selection, diagnosis);
       tellModel(selection, identification, diagnosis);
       tellBad(selection, measurements.observations, measurements.samples, diagnosis);
+      diagnosis.possibilities = std::move(possibilities);
       return diagnosis;
+    }
+    if (diagnosis.findings[useless].effect != "unknown" && isSmall(measured)) {
+      possibilities.push_back(diagnosis.findings[useless]);
+      limits.most = useless;
+      continue;
     }
     if (useless == 0 && limits.curves) {
       limits.curves = false;

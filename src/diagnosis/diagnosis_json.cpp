@@ -12,6 +12,8 @@ using Json = nlohmann::ordered_json;
 
 Json interval(const std::pair<double, double>& bounds) { return {bounds.first, bounds.second}; }
 
+Json scaled(const std::pair<double, double>& bounds, double unit) { return {unit * bounds.first, unit * bounds.second}; }
+
 Json gapJson(const Diagnosis& diagnosis) {
   // Poses of an instrument have no pixels: their errors are lengths.
   const double unit = diagnosis.pixels ? 1.0 : 1e3;
@@ -27,7 +29,9 @@ Json gapJson(const Diagnosis& diagnosis) {
   return {{"stages", stages},
           {"before_excess" + suffix, unit * diagnosis.before_excess},
           {"after_excess" + suffix, unit * diagnosis.after_excess},
-          {"noise_rms" + suffix, unit * diagnosis.noise_rms},
+          {"after_excess_ci95" + suffix, scaled(diagnosis.after_interval, unit)},
+          {"noise_rms" + suffix, diagnosis.noise_known ? Json(unit * diagnosis.noise_rms) : Json(nullptr)},
+          {"noise_rms_bounds" + suffix, scaled(diagnosis.noise_bounds, unit)},
           {"shrinkage", diagnosis.shrinkage.value},
           {"shrinkage_ci95", interval(diagnosis.shrinkage.interval)},
           {"shrinkage_claimed", diagnosis.shrinkage.claimed()}};
@@ -68,6 +72,7 @@ Json findingJson(const Finding& finding) {
             {"alternatives", alternatives},
             {"separate_with", finding.separate_with},
             {"remedy", finding.remedy}};
+  if (finding.largest_deflection) json["largest_deflection_mrad"] = 1e3 * *finding.largest_deflection;
   if (!finding.images.empty()) json["samples"] = finding.images;
   return json;
 }
@@ -78,8 +83,9 @@ Json orNull(const std::string& text) { return text.empty() ? Json(nullptr) : Jso
 
 std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples) {
   Json findings = Json::array(), where = Json::array(), detectable = Json::array(), not_testable = Json::array(), bad = Json::array(),
-       moves = Json::array();
+       moves = Json::array(), possibilities = Json::array();
   for (const Finding& finding : diagnosis.findings) findings.push_back(findingJson(finding));
+  for (const Finding& finding : diagnosis.possibilities) possibilities.push_back(findingJson(finding));
   for (const GapPlace& place : diagnosis.where) {
     where.push_back({{"location", place.location}, {"driver", place.driver}, {"share", place.share}, {"p_value", place.p_value}});
   }
@@ -103,9 +109,12 @@ std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>&
                   {"noise", noiseJson(diagnosis)},
                   {"gap", gapJson(diagnosis)},
                   {"findings", findings},
+                  {"possibilities", possibilities},
+                  {"row_order", {{"stands_in_for_stamp", diagnosis.row_order.stamp}, {"dir_guessed", diagnosis.row_order.dir}}},
                   {"where", where},
                   {"remaining",
-                   {{"significant", diagnosis.remaining_significant},
+                   {{"excess" + std::string(diagnosis.pixels ? "_px" : "_mm"), (diagnosis.pixels ? 1.0 : 1e3) * diagnosis.after_excess},
+                    {"significant", diagnosis.remaining_significant},
                     {"p_value", diagnosis.remaining_p_value},
                     {"location", orNull(diagnosis.remaining_location)},
                     {"driver", orNull(diagnosis.remaining_driver)}}},

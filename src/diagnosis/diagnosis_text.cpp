@@ -21,8 +21,30 @@ std::string meaning(const std::string& effect) {
   return effectKind(effect).meaning;
 }
 
+/// What the measuring itself is off by, or between what it lies.
+std::string noise(const Diagnosis& diagnosis) {
+  if (!diagnosis.noise_known) {
+    return fmt::format("noise {}: at most {}, of which none is subtracted", diagnosis.noise_source,
+                       size(diagnosis, diagnosis.noise_bounds.second));
+  }
+  return "noise " + size(diagnosis, diagnosis.noise_rms);
+}
+
+/// How large the gap is that remains when all is done that was found.
+std::string remains(const Diagnosis& diagnosis) {
+  std::string text = fmt::format("  what remains: {} above the noise ({} to {})", size(diagnosis, diagnosis.after_excess),
+                                 size(diagnosis, diagnosis.after_interval.first), size(diagnosis, diagnosis.after_interval.second));
+  if (!diagnosis.findings.empty()) text += fmt::format(", of {} without the findings", size(diagnosis, diagnosis.before_excess));
+  text += '\n';
+  if (!diagnosis.noise_known) {
+    text +=
+        "    noise, what the arm comes back by and structure finer than the poses look alike in it: poses measured again tell them apart\n";
+  }
+  return text;
+}
+
 std::string ladder(const Diagnosis& diagnosis) {
-  std::string text = fmt::format("  on poses that the fit did not see, noise {}:\n", size(diagnosis, diagnosis.noise_rms));
+  std::string text = fmt::format("  on poses that the fit did not see, {}:\n", noise(diagnosis));
   std::size_t width = 0;
   for (const GapStage& stage : diagnosis.stages) width = std::max(width, stage.stage.size());
   for (const GapStage& stage : diagnosis.stages) {
@@ -53,12 +75,24 @@ std::string howFar(const Shrinkage& shrinkage) {
   return "  how far: no smaller on poses that the fit did not see; the twists had swallowed it\n";
 }
 
-std::string findingText(const Finding& finding) {
+/// A driver that nobody recorded, and what stands in for it.
+std::string drivenBy(const Diagnosis& diagnosis, const std::string& driver) {
+  if (diagnosis.row_order.stamp && driver == "stamp") return "stamp (not recorded: the number of the row from 0 stands in for it)";
+  if (diagnosis.row_order.dir && driver.starts_with("dir")) {
+    return driver + " (not recorded: guessed, the joint coming straight from the row before)";
+  }
+  return driver;
+}
+
+std::string findingText(const Diagnosis& diagnosis, const Finding& finding) {
   constexpr std::size_t kMostSizes = 8;
-  std::string text = fmt::format("  where: {}, driven by {}\n", finding.location, finding.driver);
+  std::string text = fmt::format("  where: {}, driven by {}\n", finding.location, drivenBy(diagnosis, finding.driver));
   text +=
       fmt::format("  which: {}: {} ({} sure)\n", finding.effect, meaning(finding.effect), percent(std::min(0.999, finding.probability)));
   if (!finding.parameters.empty() && finding.parameters.size() <= kMostSizes) text += fmt::format("         {}\n", sizes(finding));
+  if (finding.largest_deflection) {
+    text += fmt::format("         largest deflection over these poses {:.3f} mrad\n", 1e3 * *finding.largest_deflection);
+  }
   if (!finding.images.empty()) {
     constexpr std::size_t kShown = 10;
     for (std::size_t k = 0; k < finding.images.size() && k < kShown; ++k) text += fmt::format("         {}\n", finding.images[k]);
@@ -103,8 +137,13 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
     text = "diagnosis: nothing beyond noise and geometry\n";
   } else {
     text = fmt::format("diagnosis: {} {}\n", diagnosis.findings.size(), diagnosis.findings.size() == 1 ? "finding" : "findings");
-    for (const Finding& finding : diagnosis.findings) text += findingText(finding);
+    for (const Finding& finding : diagnosis.findings) text += findingText(diagnosis, finding);
   }
+  for (const Finding& possible : diagnosis.possibilities) {
+    text += fmt::format("  possible: {} at {} ({} sure), but it does not serve poses that the fit did not see: take more poses\n",
+                        possible.effect, possible.location, percent(std::min(0.999, possible.probability)));
+  }
+  text += remains(diagnosis);
   text += ladder(diagnosis);
   if (diagnosis.remaining_significant) {
     text += fmt::format("  still there: structure at {}, driven by {}\n", diagnosis.remaining_location, diagnosis.remaining_driver);

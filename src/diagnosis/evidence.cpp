@@ -72,6 +72,18 @@ struct Spectrum {
   }
 };
 
+/// Evidence, which is never more than half of the misfit that there is to explain: with the noise theta that remains beside an explanation,
+///
+///   log L1(theta) - max L0 <= log L1(theta) - log L0(theta) <= r' C(theta)^-1 r / 2.
+///
+/// @param theta  of the components of `linear`.
+double withinMisfit(const Linearised& linear, const MeasuredCell& measured, const Eigen::VectorXd& theta, double tolerance,
+                    double log_bayes) {
+  const ColumnPrior prior = basePrior(measured, linear.state, tolerance).joinedWith(linear.column_prior);
+  const NoiseEstimate without = likelihoodsAt(linear.rows, linear.components, theta, linear.columns, {prior}).front();
+  return std::min(log_bayes, 0.5 * without.misfit);
+}
+
 std::size_t largest(const std::vector<double>& values) {
   return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
 }
@@ -196,7 +208,7 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
       exact.noise.covariance = here.covariance;
     }
   }
-  exact.log_bayes = logMeanExp(over_scales);
+  exact.log_bayes = withinMisfit(linear, measured, exact.noise.theta, exact.noise.tolerance, logMeanExp(over_scales));
   return exact;
 }
 
@@ -208,8 +220,15 @@ ExactEvidence scatterEvidence(const Linearised& linear, const MeasuredCell& meas
       estimateNoise(measured, linear.state, linear.rows, components, linear.columns, linear.column_prior, &linear.noise, kPrecision);
   // One variance more: what was a factor of e^3 either way is known to a few tens of percent.
   constexpr double kOccam = 1.5;
-  exact.log_bayes = exact.noise.log_likelihood - linear.noise.log_likelihood - kOccam;
-  exact.scale = std::sqrt(exact.noise.theta(exact.noise.theta.size() - 1));
+  // Joints come back to some thousandths of a radian at worst: what moves farther at random is believed less and less.
+  constexpr double kUsual = 1e-3, kSpread = 0.7;
+  const double slides = measured.start.arm->joints[k].type == JointType::kPrismatic ? kMetresPerRadian : 1.0;
+  const double sigma = std::sqrt(exact.noise.theta(exact.noise.theta.size() - 1));
+  const double above = std::max(0.0, std::log(sigma / (slides * kUsual)) / kSpread);
+  const double log_bayes = exact.noise.log_likelihood - linear.noise.log_likelihood - kOccam - 0.5 * above * above;
+  const Eigen::VectorXd others = exact.noise.theta.head(exact.noise.theta.size() - 1);
+  exact.log_bayes = withinMisfit(linear, measured, others, exact.noise.tolerance, log_bayes);
+  exact.scale = sigma;
   return exact;
 }
 

@@ -1,51 +1,30 @@
-// The gap as a ladder, each rung on poses that its fit did not see, and how far it shrinks from one rung to the next.
+// The gap as a ladder, each rung on poses that its fit did not see.
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "diagnosis/folds.hpp"
+#include "diagnosis/gap.hpp"
 #include "diagnosis/selection.hpp"
-#include "poecal/core/random.hpp"
-#include "poecal/diagnosis/diagnose.hpp"
 
 namespace poecal {
 
-/// Sums of one pose (all its shots), collected over the folds.
-struct PoseErrors {
-  double squares = 0.0;                                  ///< of corner lengths [px^2], or positions [m^2]
-  double points = 0.0;                                   ///< corners, or positions
-  double position = 0.0, rotation = 0.0, targets = 0.0;  ///< squares at the flange, and of how many pictures
-};
-
-/// One rung: per pose, in the order of the groups.
-struct Rung {
-  std::string stage;
-  std::vector<PoseErrors> poses;
-};
-
-/// The excess of a rung is what its squares are above the noise of the same poses. What that noise came to on them, the last rung tells:
-/// its squares without those that its own parameters' uncertainty makes. So the excess of the last rung is what the covariance of its fit
-/// says of poses that it did not see, which is far better known than a difference of two nearly equal sums, and that of every other one is
-/// this and by how much it is worse.
 class Ladder {
  public:
   Ladder(const Selection& selection, const Registration& closed_form, int folds, std::uint64_t seed);
 
   /// nominal, registered, identified: the last as `identify` does it, which knows corners that are off by chance and nothing else.
   std::vector<Rung> geometricRungs() const;
+  Rung identifiedRung(HeldOut kind) const;
   /// The identified model with some of the findings.
-  Rung rungWith(const std::string& stage, const std::vector<std::size_t>& findings) const;
+  Rung rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind) const;
 
-  GapStage stageOf(const Rung& rung, const Rung& last) const;
-  /// 1 - excess(last) / excess(before), and where it lies 95 times in 100 on other poses, 60 or as many as there are: bootstrap of the
-  /// poses, with the whole model's parameters drawn from their covariance. Only where there are findings.
-  Shrinkage shrinkage(const Rung& before, const Rung& last) const;
-  /// How much better off these poses themselves are with the last rung than with the other: their mean difference of squares in standard
-  /// errors.
-  double gain(const Rung& before, const Rung& last) const;
-  /// What single points are off by chance.
-  double noiseRms(const Rung& last) const;
+  /// The ways beside random ones in which poses can be held out. What moves with time asks for poses from before and after: stretches of
+  /// time that are held out tell nothing of it.
+  std::vector<HeldOut> blocks() const;
 
  private:
   using Groups = std::vector<std::vector<std::size_t>>;
@@ -55,17 +34,14 @@ class Ladder {
     std::vector<Accepted> accepted;
   };
   template <typename Fit>
-  Rung judged(const std::string& stage, Fit fit) const;
-  Rung fitted(const std::string& stage, const ModelState& start, const std::vector<Accepted>& accepted,
+  Rung judged(const std::string& stage, HeldOut kind, Fit fit) const;
+  Rung fitted(const std::string& stage, HeldOut kind, const ModelState& start, const std::vector<Accepted>& accepted,
               const std::vector<std::size_t>& scatter, const NoiseEstimate& noise) const;
   void addErrors(const Linearised& at, const Groups& test, const std::vector<std::size_t>& numbers, Rung& rung) const;
 
   const Selection& selection_;
   Registration closed_form_;
-  std::vector<std::vector<std::size_t>> folds_;  ///< numbers of groups
-  std::vector<double> expected_;                 ///< squares of each pose that the uncertainty of a fit without it makes
-  Eigen::MatrixXd drawn_;                        ///< the same by drawn parameters, poses x draws; empty without findings
-  Rng resampling_;
+  std::map<HeldOut, Folds> folds_;
 };
 
 }  // namespace poecal

@@ -278,7 +278,7 @@ std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const 
   }
   const bool arm =
       std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& p) { return p.ports.joints.cols() > 0; });
-  if (arm && corners) {
+  if (arm) {
     components.push_back(component(rows, "repeatability", kStartRepeatability * kStartRepeatability, true,
                                    [&measured](const ObservationRows& part) { return jointColumns(measured, part); }));
   }

@@ -24,8 +24,7 @@ class Selector {
   }
 
   Selection run(const std::vector<std::size_t>& wild) {
-    const std::vector<std::size_t> at_once = groupsOf(wild);
-    if (!isRunInTime(selection_.measured, at_once)) remove(at_once);
+    if (!isRunInTime(selection_.measured, groupsOf(wild))) remove(wild);
     linear_ = refit(selection_.measured, selection_.base, {}, {}, NoiseEstimate{}, {}, true);
     dropBad(kWildAtOnce);
     listCandidates();
@@ -256,13 +255,13 @@ class Selector {
     return groups;
   }
 
-  /// Takes out poses that belong to no model. @return whether there were any.
+  /// Takes out rows that belong to no model. @return whether there were any.
   bool dropBad(const Wild& wild) {
     bool any = false;
     // Each round's noise no longer contains what the one before took out.
     constexpr int kRounds = 20;
     for (int round = 0; round < kRounds; ++round) {
-      const std::vector<std::size_t> bad = wildPoses(selection_.measured, linear_, wild);
+      const std::vector<std::size_t> bad = wildRows(selection_.measured, linear_, wild);
       if (bad.empty()) break;
       remove(bad);
       any = true;
@@ -300,11 +299,9 @@ class Selector {
     if (!selection_.bad.empty()) selection_.bad_rms = rmsOfEach(besideFindings(part(given_, selection_.bad)).rows);
   }
 
-  /// Takes poses out. @param groups  of selection_.measured
-  void remove(const std::vector<std::size_t>& groups) {
-    for (const std::size_t g : groups) {
-      for (const std::size_t k : selection_.measured.groups[g]) selection_.bad.push_back(kept_[k]);
-    }
+  /// Takes rows out. @param observations  of selection_.measured
+  void remove(const std::vector<std::size_t>& observations) {
+    for (const std::size_t k : observations) selection_.bad.push_back(kept_[k]);
     std::sort(selection_.bad.begin(), selection_.bad.end());
     useTheRest();
   }

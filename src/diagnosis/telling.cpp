@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "diagnosis/found_model.hpp"
+#include "diagnosis/look_alikes.hpp"
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
 #include "poecal/core/statistics.hpp"
@@ -102,6 +103,19 @@ std::vector<Candidate> curvesOf(const Selection& selection) {
   return curves;
 }
 
+/// Of a compliance: the most that it turns or shifts its place over the poses of the capture.
+std::optional<double> largestDeflection(const Selection& selection, const Accepted& accepted) {
+  const Candidate& candidate = accepted.candidate;
+  if (!candidate.known() || !candidate.effect->kind().yields_to_gravity) return {};
+  const bool joint = candidate.entry().reach == Reach::kJoint;
+  const Eigen::VectorXd action =
+      actionsOf(candidate, selection.linear.rows, 0, selection.linear.rows.observations.size()) * accepted.factors;
+  if (joint) return action.cwiseAbs().maxCoeff();
+  double most = 0.0;  // of the turning parts (w; v) of the target's pose
+  for (Eigen::Index row = 0; row + 6 <= action.size(); row += 6) most = std::max(most, action.segment<3>(row).norm());
+  return most;
+}
+
 Finding findingOf(const Selection& selection, const FoundEffect& found, const Eigen::VectorXd& deviation) {
   Finding finding{.effect = found.name, .location = found.location, .driver = found.driver};
   finding.log_evidence = found.log_bayes;
@@ -111,6 +125,7 @@ Finding findingOf(const Selection& selection, const FoundEffect& found, const Ei
     finding.parameters["sigma"] = scatterSigma(selection, found);
     finding.units["sigma"] = selection.measured.start.arm->joints[*found.scatter].type == JointType::kRevolute ? "rad" : "m";
   }
+  if (found.accepted) finding.largest_deflection = largestDeflection(selection, *found.accepted);
   fillAlternatives(found.ranking, finding);
   if (const EffectKind* kind = findEffectKind(found.name)) finding.remedy = kind->remedy;
   return finding;
@@ -118,8 +133,9 @@ Finding findingOf(const Selection& selection, const FoundEffect& found, const Ei
 
 }  // namespace
 
-Diagnosis tellFindings(const Selection& selection) {
+Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order) {
   Diagnosis diagnosis;
+  diagnosis.row_order = row_order;
   diagnosis.log_odds = selection.base_ranking.log_total;
   diagnosis.answers = static_cast<int>(selection.candidates.size());
   diagnosis.pixels = selection.measured.start.camera.has_value();
@@ -127,6 +143,7 @@ Diagnosis tellFindings(const Selection& selection) {
   std::size_t next = 0;
   for (const FoundEffect& found : selection.findings) {
     diagnosis.findings.push_back(findingOf(selection, found, found.accepted ? deviations[next++] : Eigen::VectorXd()));
+    addLookAlikes(selection, found, row_order, diagnosis.findings.back());
   }
   return diagnosis;
 }
@@ -170,9 +187,6 @@ void tellNoise(const Selection& selection, Diagnosis& diagnosis) {
     const PoseMeasurement& pose = *selection.measured.observations.front().pose;
     diagnosis.rotation_sigma = *rotation / pose.whitening(0, 0);
   }
-  const bool repeats =
-      std::any_of(selection.measured.groups.begin(), selection.measured.groups.end(), [](const auto& g) { return g.size() > 1; });
-  diagnosis.noise_source = repeats ? "repeats" : "estimated";
   diagnosis.arm_beyond_tolerance = noise.tolerance;
 }
 

@@ -9,7 +9,8 @@
 namespace poecal {
 
 /// The findings with their parameters, probabilities and alternatives; without shrinkage.
-Diagnosis tellFindings(const Selection& selection);
+/// @param row_order  columns that the order of the rows stands in for.
+Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order);
 
 void tellNoise(const Selection& selection, Diagnosis& diagnosis);
 

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+
+#include <Eigen/Cholesky>
 
 #include "poecal/core/statistics.hpp"
 
@@ -26,6 +29,70 @@ bool isWild(double square, int size, double usual, const Wild& wild) {
   return square / size / usual > wild.mean_square && chiSquareTail(square / usual, size) < wild.probability;
 }
 
+/// The shots of one pose, each with what it shares with the others.
+class Shots {
+ public:
+  Shots(const CaptureRows& rows, const Whitening& whitening, const Eigen::VectorXd& residual, std::size_t g)
+      : rows_(rows), group_(rows.groups[g]) {
+    const int size = whitening.size(g), begin = whitening.begin(g);
+    const Eigen::MatrixXd L = whitening.undo(g, Eigen::MatrixXd::Identity(size, size));
+    C_ = L * L.transpose();
+    r_ = residual.segment(begin, size);
+    begin_ = begin;
+  }
+
+  /// Those that have to go until the rest belongs to the model; all where none is left.
+  std::vector<std::size_t> wild(double usual, const Wild& wild) const {
+    std::vector<std::size_t> kept = group_, gone;
+    while (!kept.empty() && isAnyWild(kept, usual, wild)) {
+      std::size_t worst = 0;
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < kept.size() && kept.size() > 1; ++i) {
+        std::vector<std::size_t> others = kept;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+        const MeanSquare rest = squareOf(others);
+        if (rest.square / rest.size >= least) continue;
+        least = rest.square / rest.size;
+        worst = i;
+      }
+      gone.push_back(kept[worst]);
+      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(worst));
+    }
+    return gone;
+  }
+
+ private:
+  struct MeanSquare {
+    double square = 0.0;
+    int size = 0;
+  };
+
+  /// Of some of the shots, whatever the others are.
+  MeanSquare squareOf(const std::vector<std::size_t>& shots) const {
+    std::vector<Eigen::Index> numbers;
+    for (const std::size_t k : shots) {
+      const ObservationRows& part = rows_.observations[k];
+      for (int row = 0; row < part.size; ++row) numbers.push_back(part.begin - begin_ + row);
+    }
+    Eigen::LLT<Eigen::MatrixXd> llt;
+    factorNoise(C_(numbers, numbers), llt);
+    return {llt.matrixL().solve(r_(numbers).eval()).squaredNorm(), static_cast<int>(numbers.size())};
+  }
+
+  /// One wild shot is thinned out among many, so each is looked at by itself too.
+  bool isAnyWild(const std::vector<std::size_t>& shots, double usual, const Wild& wild) const {
+    const auto is_wild = [&](const MeanSquare& mean) { return isWild(mean.square, mean.size, usual, wild); };
+    if (is_wild(squareOf(shots))) return true;
+    return shots.size() > 1 && std::any_of(shots.begin(), shots.end(), [&](std::size_t k) { return is_wild(squareOf({k})); });
+  }
+
+  const CaptureRows& rows_;
+  const std::vector<std::size_t>& group_;
+  Eigen::MatrixXd C_;
+  Eigen::VectorXd r_;
+  int begin_ = 0;
+};
+
 /// Noise of poses that were not fitted, as that of those which were.
 Eigen::VectorXd noiseAsOf(const Linearised& fitted, const std::vector<NoiseComponent>& components) {
   Eigen::VectorXd theta(static_cast<Eigen::Index>(components.size()));
@@ -45,16 +112,22 @@ bool isSeen(const CaptureRows& rows, const std::vector<std::size_t>& shots) {
 
 }  // namespace
 
-std::vector<std::size_t> wildPoses(const MeasuredCell& measured, const Linearised& linear, const Wild& wild) {
+std::vector<std::size_t> wildRows(const MeasuredCell& measured, const Linearised& linear, const Wild& wild) {
   const WhiteResidual white = whiteResidual(linear);
   const std::vector<double> squares = squaresOf(white.whitening, white.e);
   const double usual = usualSquare(white.whitening, squares);
-  std::vector<std::size_t> bad;
+  const Eigen::VectorXd residual = linear.residual();
+  std::vector<std::size_t> poses, rows;
   for (std::size_t g = 0; g < squares.size(); ++g) {
-    if (isWild(squares[g], white.whitening.size(g), usual, wild)) bad.push_back(g);
+    const Shots shots(linear.rows, white.whitening, residual, g);
+    const std::vector<std::size_t> bad = shots.wild(usual, wild);
+    if (bad.empty()) continue;
+    poses.push_back(g);
+    for (const std::size_t k : bad) rows.push_back(linear.rows.observations[k].context.number);
   }
-  if (isRunInTime(measured, bad) || bad.size() > squares.size() / 3) return {};
-  return bad;
+  if (isRunInTime(measured, poses) || poses.size() > squares.size() / 3) return {};
+  std::sort(rows.begin(), rows.end());
+  return rows;
 }
 
 bool isRunInTime(const MeasuredCell& measured, const std::vector<std::size_t>& poses) {

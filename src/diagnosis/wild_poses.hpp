@@ -1,4 +1,4 @@
-// Poses that belong to no model: rows whose joints and picture do not belong together.
+// Rows that belong to no model: those whose joints and picture do not belong together.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,10 @@ struct Wild {
 /// Before any effect is known only what no effect does to a single pose; at the end what chance does not do once in ten million captures.
 inline constexpr Wild kWildAtOnce{150.0, 1e-30}, kWildAtLast{8.0, 1e-9};
 
-/// Poses of a linearisation with its noise that belong to no model, as indices into its groups. None where they are a run at the end or the
+/// Rows of a linearisation with its noise that belong to no model, as indices into the measured observations, ascending. Of a pose that was
+/// taken several times those shots alone whose absence leaves shots that do belong. None where their poses are a run at the end or the
 /// start of the session, which is something that moved, or more than a third, which is no sprinkling of wild rows.
-std::vector<std::size_t> wildPoses(const MeasuredCell& measured, const Linearised& linear, const Wild& wild);
+std::vector<std::size_t> wildRows(const MeasuredCell& measured, const Linearised& linear, const Wild& wild);
 
 /// Whether three or more poses, as indices into the groups, are the first or the last of the session.
 bool isRunInTime(const MeasuredCell& measured, const std::vector<std::size_t>& poses);

@@ -140,6 +140,29 @@ TEST(Diagnose, WildRowsAreListedAndNothingElse) {
   EXPECT_EQ(diagnosis.bad_samples[1].sample, 31u);
 }
 
+TEST(Diagnose, AWildShotGoesWithoutItsTwin) {
+  test::SmallCell small = test::smallCell(5, 80, kSigma, {});
+  // Every second row becomes another shot of the pose before it.
+  Rng rng(9);
+  for (std::size_t k = 0; k < small.samples.size(); ++k) {
+    small.samples[k].pose = static_cast<long>(k / 2);
+    if (k % 2 == 0) continue;
+    small.samples[k].q = small.observations[k].q = small.observations[k - 1].q;
+    small.samples[k].dir = small.samples[k - 1].dir;
+  }
+  test::observeWith(
+      small, 0, [](const Eigen::VectorXd&) { return 0.0; }, kSigma);
+  for (const std::size_t k : {std::size_t{14}, std::size_t{31}}) {
+    for (CornerMeasurement& corner : small.observations[k].corners) corner.px.x() += 20.0 + 5.0 * corner.id.corner;
+  }
+  // Far less than a row of another pose, yet many times the noise.
+  for (CornerMeasurement& corner : small.observations[52].corners) corner.px.y() += 0.7 * (corner.id.corner % 2 == 0 ? 1.0 : -1.0);
+  const Diagnosis diagnosis = small.diagnosis();
+  std::vector<std::size_t> bad;
+  for (const BadSample& row : diagnosis.bad_samples) bad.push_back(row.sample);
+  EXPECT_THAT(bad, ::testing::ElementsAre(14u, 31u, 52u));
+}
+
 // A lens a tenth off in its second radial term hardly moves a tag near the middle, and one in a corner of the picture by pixels: with
 // corners good to 0.005 px such poses look as if they belonged to no model until the lens is known.
 TEST(Diagnose, PosesThatAnEffectThrewFarComeBack) {

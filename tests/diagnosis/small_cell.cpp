@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "poecal/effects/catalogue.hpp"
+#include "poecal/geometry/se3.hpp"
 #include "support/cameras.hpp"
 
 namespace poecal::test {
@@ -88,6 +89,46 @@ Measurements SmallCell::measurements() const {
   measured.samples = samples;
   measured.observations = observations;
   return measured;
+}
+
+namespace {
+
+Eigen::VectorXd moved(Eigen::VectorXd q, std::size_t k, const JointError& error) {
+  const double off = error(q);
+  q(static_cast<Eigen::Index>(k)) += off;
+  return q;
+}
+
+}  // namespace
+
+void observeWith(SmallCell& small, std::size_t k, const JointError& error, double sigma) {
+  Rng rng(12345);
+  for (Observation& observation : small.observations) {
+    Sample stands = small.samples[observation.sample];
+    stands.q = moved(stands.q, k, error);
+    const auto px = disturbedCorners(small.cell, stands, small.target.points, Disturbance::zero(small.cell, small.target.points.size()));
+    for (std::size_t j = 0; j < px.size(); ++j) {
+      observation.corners[j].px = *px[j] + sigma * Eigen::Vector2d(rng.normal(), rng.normal());
+    }
+  }
+}
+
+void measurePoses(SmallCell& small, std::size_t k, const JointError& error, double sigma) {
+  Rng rng(54321);
+  for (Observation& observation : small.observations) {
+    const Eigen::VectorXd q = moved(small.samples[observation.sample].q, k, error);
+    Vector6d off;
+    for (Eigen::Index i = 0; i < 6; ++i) off(i) = rng.normal() * (i < 3 ? 5.0 : 1.0) * sigma;
+    PoseMeasurement pose;
+    pose.T_camera_target = small.cell.registration.cameraTarget(forwardKinematics(*small.cell.arm, q)) * expSe3(off);
+    Vector6d weight;
+    weight << Eigen::Vector3d::Constant(1.0 / 3e-3), Eigen::Vector3d::Constant(1.0 / 1e-3);
+    pose.whitening = weight.asDiagonal();
+    observation.pose = pose;
+    observation.corners.clear();
+  }
+  small.cell.camera.reset();
+  small.target = {};
 }
 
 Diagnosis SmallCell::diagnosis() const {

@@ -1,6 +1,7 @@
 // A cell whose truth is known, for tests of the diagnosis: corners with noise, straight from the forward model.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,5 +25,14 @@ struct SmallCell {
 /// Six turning joints with masses before a fixed camera; axes off by 0.5 mm and 2 mrad, `poses` poses, corners with `sigma` [px] and what
 /// the effects do.
 SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vector<EffectSpec>& effects);
+
+/// Error of a joint by the readings of all joints [rad].
+using JointError = std::function<double(const Eigen::VectorXd&)>;
+
+/// The same cell observed anew, as joint k (from 0) really stands where `error` moves it; `sigma` [px] of noise.
+void observeWith(SmallCell& small, std::size_t k, const JointError& error, double sigma);
+
+/// An instrument's poses of the target in place of corners, off by `sigma` [m] and 5 rad/m of it.
+void measurePoses(SmallCell& small, std::size_t k, const JointError& error, double sigma);
 
 }  // namespace poecal::test

@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/capture/detections.hpp"
+#include "poecal/capture/row_order.hpp"
 #include "poecal/cell/cell.hpp"
 #include "poecal/core/csv.hpp"
 #include "poecal/core/error.hpp"
@@ -76,13 +77,15 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
     const Model model = readModel(options->model);
     Capture capture;
     if (!options->capture.empty()) capture = readCapture(options->capture);
-    const std::vector<Sample> samples = options->joints.empty() ? capture.table.samples : readJoints(options->joints, *model.cell.arm);
+    std::vector<Sample> samples = options->joints.empty() ? capture.table.samples : readJoints(options->joints, *model.cell.arm);
     for (const Sample& sample : samples) {
       if (sample.q.size() != model.cell.arm->jointCount()) {
         throw InsufficientData(
             fmt::format("the samples have {} joint readings, the model has {} joints", sample.q.size(), model.cell.arm->jointCount()));
       }
     }
+    // As a diagnosis found the effects.
+    standInByRowOrder(samples);
     const std::vector<Disturbance> disturbances = disturbancesOf(model.effects, model.cell, model.target.value_or(Target{}),
                                                                  capture.gravity, samples, false, capture.table.other_columns);
     const bool poses = options->poses || !options->joints.empty();

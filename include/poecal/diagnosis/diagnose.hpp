@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "poecal/capture/row_order.hpp"
 #include "poecal/cell/measurements.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/identification/identify.hpp"
@@ -35,7 +36,8 @@ struct AlternativeCause {
   double probability = 0.0;
 };
 
-/// How much smaller the excess became, with a 95 % interval from resampled poses.
+/// How much smaller the excess became, with a 95 % interval from resampled poses, as measured and in the worst of the ways to hold out
+/// poses: at random, stretches of time, clusters of posture.
 struct Shrinkage {
   double value = 0.0;
   std::pair<double, double> interval{0.0, 0.0};
@@ -61,6 +63,8 @@ struct Finding {
   std::vector<AlternativeCause> alternatives = {};
   std::string separate_with = {};  ///< what would tell the alternatives apart; empty where none is close
   std::string remedy = {};
+  /// Compliances: largest turn [rad] or shift [m] that it makes over the capture's poses.
+  std::optional<double> largest_deflection = {};
   std::vector<std::string> images = {};  ///< bad_samples: which
 };
 
@@ -93,20 +97,26 @@ struct Explained {
 };
 
 struct Diagnosis {
-  bool pixels = true;                 ///< corners; otherwise poses of an instrument
-  double noise_sigma = 0.0;           ///< per axis [px], or of a position [m]
-  double tag_sigma = 0.0;             ///< what all corners of a tag share, per axis [px]
-  double repeatability = 0.0;         ///< of every joint [rad]
-  double rotation_sigma = 0.0;        ///< poses [rad]
-  std::string noise_source;           ///< "repeats", "estimated"
-  double noise_rms = 0.0;             ///< of a corner's length [px], or a position's [m], all of the noise together
+  bool pixels = true;           ///< corners; otherwise poses of an instrument
+  double noise_sigma = 0.0;     ///< per axis [px], or of a position [m]
+  double tag_sigma = 0.0;       ///< what all corners of a tag share, per axis [px]
+  double repeatability = 0.0;   ///< of every joint [rad]
+  double rotation_sigma = 0.0;  ///< poses [rad]
+  std::string noise_source;     ///< "repeats", "given", "estimated", or why it is not known
+  bool noise_known = true;      ///< false: nothing but what the model leaves tells of it, and none is subtracted
+  double noise_rms = 0.0;       ///< of a corner's length [px], or a position's [m], as it is subtracted; at most any stage's rms
+  /// Least and most that it may be: without repeats, what the arm comes back by and structure finer than the poses resolve look alike.
+  std::pair<double, double> noise_bounds{0.0, 0.0};
   double log_odds = 0.0;              ///< of all explanations together against none, before anything was taken up
   int answers = 0;                    ///< explanations that were weighed
   double arm_beyond_tolerance = 1.0;  ///< factor by which the arm exceeds the tolerances
   std::vector<GapStage> stages;
   double before_excess = 0.0, after_excess = 0.0;
+  std::pair<double, double> after_interval{0.0, 0.0};  ///< 95 %, the noise anywhere within its bounds
   Shrinkage shrinkage;
   std::vector<Finding> findings;
+  std::vector<Finding> possibilities;  ///< of captures of few poses: named effects that do not serve poses which the fit did not see
+  RowOrder row_order;                  ///< columns that the order of the rows stood in for
   std::vector<GapPlace> where;
   bool remaining_significant = false;
   double remaining_p_value = 1.0;

@@ -1,0 +1,272 @@
+#include "diagnosis/gap.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+
+#include "poecal/core/statistics.hpp"
+
+namespace poecal {
+namespace {
+
+/// Sums over some poses.
+struct Sums {
+  double before = 0.0, after = 0.0, expected = 0.0, points = 0.0;
+  void add(const PoseErrors& one, const PoseErrors& other, double by_covariance) {
+    before += one.squares;
+    after += other.squares;
+    expected += by_covariance;
+    points += one.points;
+  }
+  /// 1 - excess after / excess before, as roots. @param left  mean square of the excess after. Where chance makes that of before less than
+  /// that of after, a quarter of it: who takes away what helps does not come out with nothing.
+  double shrinkage(double left) const {
+    const double there = std::max((before - after) / points + left, 0.25 * left);
+    return there > 0.0 ? 1.0 - std::sqrt(left / there) : 0.0;
+  }
+};
+
+/// Squares of each pose that the uncertainty of a fit to all others makes: with P = X Cov X' of the pose by the whole fit and C its noise,
+/// leaving it out gives P + P (C - P)^-1 P.
+std::vector<double> expectedSquares(const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights) {
+  const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
+  std::vector<double> squares;
+  for (std::size_t g = 0; g < whitening.poses(); ++g) {
+    const int begin = whitening.begin(g), size = whitening.size(g);
+    const Eigen::MatrixXd part = X.middleRows(begin, size);
+    const Eigen::MatrixXd P = part * linear.noise.covariance * part.transpose();
+    // Its eigenvalues lie between 0 and 1.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> share(whitening.applyTo(g, whitening.applyTo(g, P).transpose()));
+    constexpr double kMost = 0.99;  // a pose that alone tells of something tells nothing of how well others know it
+    const Eigen::ArrayXd taken = share.eigenvalues().array().max(0.0).min(kMost);
+    const Eigen::MatrixXd directions = whitening.undo(g, share.eigenvectors());
+    const Eigen::VectorXd variances = directions.cwiseAbs2() * (taken / (1.0 - taken)).matrix();
+    squares.push_back(variances.dot(weights.segment(begin, size)));
+  }
+  return squares;
+}
+
+/// Squares that the parameters make at each pose when they are drawn from their covariance, poses x draws; their mean is `expected`.
+Eigen::MatrixXd drawnSquares(const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights,
+                             const std::vector<double>& expected, int draws, Rng& rng) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> covariance(linear.noise.covariance);
+  const Eigen::MatrixXd root = covariance.eigenvectors() * covariance.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd moved = weights.cwiseSqrt().asDiagonal() * (X * root);
+  const Eigen::MatrixXd errors = Eigen::MatrixXd::NullaryExpr(moved.cols(), draws, [&rng] { return rng.normal(); });
+  Eigen::MatrixXd squares(static_cast<Eigen::Index>(expected.size()), draws);
+  Eigen::Index begin = 0;
+  for (std::size_t g = 0; g < expected.size(); ++g) {
+    const int size = linear.rows.groupSize(g);
+    const auto part = moved.middleRows(begin, size);
+    // What the fit saw of the pose makes it better known than it is to a fit that did not.
+    const double unseen = expected[g] / std::max(part.squaredNorm(), std::numeric_limits<double>::min());
+    squares.row(static_cast<Eigen::Index>(g)) = unseen * (part * errors).colwise().squaredNorm();
+    begin += size;
+  }
+  return squares;
+}
+
+/// Squares that poses of other times keep of what a slip takes away, as a share of that: those that stand on the wrong side of it. When it
+/// was is known to lie between two pictures.
+struct SlipTime {
+  double wrong = 0.0;  ///< chance that a pose is on the wrong side
+  double share = 0.0;  ///< of such a pose, in units of the mean over all
+
+  /// @param time  where it was taken to be.
+  SlipTime(double time, const std::vector<Sample>& samples) {
+    double first = std::numeric_limits<double>::infinity(), last = -first, before = -first, after = first;
+    std::size_t early = 0;
+    for (const Sample& sample : samples) {
+      const double stamp = sample.stamp.value_or(time);
+      first = std::min(first, stamp);
+      last = std::max(last, stamp);
+      if (stamp < time) {
+        before = std::max(before, stamp);
+        ++early;
+      } else {
+        after = std::min(after, stamp);
+      }
+    }
+    if (early == 0 || early == samples.size()) return;
+    // It is anywhere between the two, a pose is too, and it was taken to be in the middle.
+    wrong = 0.25 * (after - before) / (last - first);
+    // Who does not know of it is off by a share of it everywhere; who has the wrong side, by all of it.
+    const double share_before = static_cast<double>(early) / static_cast<double>(samples.size());
+    share = 1.0 / (share_before * (1.0 - share_before));
+  }
+  double draw(std::size_t poses, Rng& rng) const {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < poses; ++k) count += rng.uniform() < wrong ? 1 : 0;
+    return share * static_cast<double>(count) / static_cast<double>(poses);
+  }
+};
+
+std::vector<SlipTime> slipTimes(const Selection& selection) {
+  std::vector<SlipTime> slips;
+  for (const Accepted& one : selection.linear.accepted) {
+    if (const auto time = one.candidate.slipTime()) slips.emplace_back(one.candidate.parameters(*time), selection.measured.samples);
+  }
+  return slips;
+}
+
+double meanSquare(const Rung& rung) {
+  double squares = 0.0, points = 0.0;
+  for (const PoseErrors& pose : rung.poses) {
+    squares += pose.squares;
+    points += pose.points;
+  }
+  return points > 0.0 ? squares / points : 0.0;
+}
+
+bool hasAnyShape(const Selection& selection) {
+  return std::any_of(selection.findings.begin(), selection.findings.end(),
+                     [](const FoundEffect& found) { return found.name == "unknown"; });
+}
+
+/// How far what is measured is from what was expected counts as more than chance: 0 for less than one standard deviation of it, nearly 1
+/// beyond three.
+double beyondChance(double more, double sigma) {
+  if (!(more > 0.0)) return 0.0;
+  const double square = more * more;
+  return square / (square + sigma * sigma);
+}
+
+std::pair<double, double> middle(std::vector<double>& values) { return {quantile(values, 0.025), quantile(values, 0.975)}; }
+
+constexpr int kResamples = 2000;
+
+}  // namespace
+
+Gap::Gap(const Selection& selection, const MeasurementNoise& noise, const std::vector<Rung>& rungs, std::uint64_t seed)
+    : selection_(selection), noise_(noise), last_(rungs.back()), resampling_(seed, 1) {
+  const Eigen::MatrixXd X = selection.linear.allColumns();
+  const Eigen::VectorXd weights = squareWeights(selection.linear.rows);
+  expected_ = expectedSquares(selection.linear, X, weights);
+  constexpr int kDraws = 400;
+  if (!selection.findings.empty()) drawn_ = drawnSquares(selection.linear, X, weights, expected_, kDraws, resampling_);
+  lowest_ = std::numeric_limits<double>::infinity();
+  for (const Rung& rung : rungs) lowest_ = std::min(lowest_, meanSquare(rung));
+  Sums sums;
+  for (std::size_t g = 0; g < last_.poses.size(); ++g) sums.add(last_.poses[g], last_.poses[g], expected_[g]);
+  if (!(sums.points > 0.0)) return;
+  const double after = sums.after / sums.points, expected = sums.expected / sums.points;
+  const double more = std::max(0.0, after - noise_.least - expected);
+  const double excess = expected + more * beyondChance(more, noise_.chance * noise_.least);
+  subtracted_ = std::clamp(after - excess, 0.0, lowest_);
+  unexplained_ = beyondChance(after - noise_.random - expected, noise_.chance * noise_.random);
+}
+
+GapStage Gap::stageOf(const Rung& rung) const {
+  PoseErrors sum;
+  for (const PoseErrors& pose : rung.poses) {
+    sum.position += pose.position;
+    sum.rotation += pose.rotation;
+    sum.targets += pose.targets;
+  }
+  GapStage stage;
+  stage.stage = rung.stage;
+  stage.rms = std::sqrt(meanSquare(rung));
+  stage.excess = std::sqrt(std::max(0.0, meanSquare(rung) - subtracted_));
+  stage.position = sum.targets > 0.0 ? std::sqrt(sum.position / sum.targets) : 0.0;
+  stage.rotation = sum.targets > 0.0 ? std::sqrt(sum.rotation / sum.targets) : 0.0;
+  if (!(stage.excess <= stage.rms) || !(noiseRms() <= stage.rms)) {
+    throw std::logic_error("the noise told is larger than what poses that a fit did not see are off by");
+  }
+  return stage;
+}
+
+double Gap::noiseRms() const { return std::sqrt(subtracted_); }
+
+std::pair<double, double> Gap::noiseBounds() const {
+  return {std::sqrt(std::min(noise_.least, lowest_)), std::sqrt(std::min(noise_.most, lowest_))};
+}
+
+std::pair<double, double> Gap::remaining() const {
+  const std::size_t count = last_.poses.size();
+  Rng rng = resampling_;
+  std::vector<double> least, most;
+  for (int resample = 0; resample < kResamples; ++resample) {
+    Sums sums;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t g = rng.below(count);
+      sums.add(last_.poses[g], last_.poses[g], expected_[g]);
+    }
+    if (!(sums.points > 0.0)) return {0.0, 0.0};
+    const double after = sums.after / sums.points, expected = std::min(after, sums.expected / sums.points);
+    const double chance = noise_.chance * rng.normal();
+    most.push_back(std::sqrt(std::clamp(after - noise_.least * (1.0 + chance), expected, after)));
+    least.push_back(std::sqrt(std::clamp(after - noise_.random * (1.0 + chance), expected, after)));
+  }
+  const double told = std::sqrt(std::max(0.0, meanSquare(last_) - subtracted_));
+  return {std::min(told, middle(least).first), std::max(told, middle(most).second)};
+}
+
+Shrinkage Gap::shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks) const {
+  constexpr std::size_t kTestPoses = 60;
+  const std::size_t count = before.poses.size();
+  Shrinkage shrinkage;
+  Sums all;
+  for (std::size_t g = 0; g < count; ++g) all.add(before.poses[g], after.poses[g], expected_[g]);
+  if (!(all.points > 0.0)) return shrinkage;
+  shrinkage.value = all.shrinkage(std::max(0.0, meanSquare(after) - subtracted_));
+  Rng rng = resampling_;
+  // These poses are a sample, and so are those on which somebody looks again: both means scatter, as one over so many poses does.
+  const std::size_t again = std::min<std::size_t>(count, kTestPoses), others = std::max<std::size_t>(1, count * again / (count + again));
+  const std::vector<SlipTime> slips = slipTimes(selection_);
+  const bool any_shape = hasAnyShape(selection_);
+  std::vector<double> foretold, measured;
+  for (int resample = 0; resample < kResamples; ++resample) {
+    Sums sums;
+    for (std::size_t k = 0; k < others; ++k) {
+      const std::size_t g = rng.below(count);
+      sums.add(before.poses[g], after.poses[g], drawn_(static_cast<Eigen::Index>(g), resample % drawn_.cols()));
+    }
+    double kept = 0.0;
+    for (const SlipTime& slip : slips) kept += slip.draw(kTestPoses, rng);
+    // Waves follow some shapes that nobody knows as far as their covariance says, and others only so far: in the withheld world a twentieth
+    // of what they take away comes back elsewhere in one capture of four, an eighth in one of ten.
+    constexpr double kFollowed = 0.5, kMisfit = 0.05;
+    if (any_shape && rng.uniform() > kFollowed) kept += kMisfit * std::exp(rng.normal());
+    kept *= std::max(0.0, sums.before - sums.after) / sums.points;
+    const double mean = sums.after / sums.points, expected = sums.expected / sums.points;
+    const double more = unexplained_ * std::max(0.0, mean - noise_.random - expected);
+    foretold.push_back(sums.shrinkage(expected + more + kept));
+    measured.push_back(sums.shrinkage(std::max(expected, mean - noise_.least * (1.0 + noise_.chance * rng.normal())) + kept));
+  }
+  shrinkage.interval = {std::min(middle(foretold).first, middle(measured).first), middle(foretold).second};
+  for (const RungPair& block : blocks) shrinkage.interval.first = std::min(shrinkage.interval.first, lowerEnd(block));
+  shrinkage.value = std::clamp(shrinkage.value, shrinkage.interval.first, shrinkage.interval.second);
+  return shrinkage;
+}
+
+double Gap::lowerEnd(const RungPair& rungs) const {
+  const std::size_t count = rungs.before.poses.size();
+  Rng rng = resampling_;
+  std::vector<double> values;
+  for (int resample = 0; resample < kResamples; ++resample) {
+    Sums sums;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t g = rng.below(count);
+      sums.add(rungs.before.poses[g], rungs.after.poses[g], expected_[g]);
+    }
+    const double noise = noise_.least * (1.0 + noise_.chance * rng.normal());
+    values.push_back(sums.shrinkage(std::max(sums.expected, sums.after - sums.points * noise) / sums.points));
+  }
+  return quantile(values, 0.025);
+}
+
+double gain(const Rung& before, const Rung& after) {
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t g = 0; g < before.poses.size(); ++g) {
+    const double difference = before.poses[g].squares - after.poses[g].squares;
+    sum += difference;
+    squares += difference * difference;
+  }
+  const double variance = squares - sum * sum / static_cast<double>(before.poses.size());
+  return variance > 0.0 ? sum / std::sqrt(variance) : 0.0;
+}
+
+}  // namespace poecal
