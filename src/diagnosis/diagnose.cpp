@@ -79,8 +79,8 @@ ModelState identifiedState(const Identification& identification, const MeasuredC
   return {state, {}};
 }
 
-std::string rungName(const Selection& selection, const std::vector<std::size_t>& findings) {
-  std::string name = "identified";
+std::string rungName(const Selection& selection, const std::string& identified, const std::vector<std::size_t>& findings) {
+  std::string name = identified;
   for (const std::size_t i : findings) name += fmt::format(" + {}@{}", selection.findings[i].name, selection.findings[i].location);
   return name;
 }
@@ -115,14 +115,14 @@ void tellGap(const Gap& gap, const std::vector<Rung>& rungs, Diagnosis& diagnosi
 }
 
 /// The ladder, and how much each finding shrinks the excess. @return for each finding whether it serves poses that its fit did not see.
-std::vector<bool> climb(const Selection& selection, const Identification& identification, const DiagnoseOptions& options,
-                        Diagnosis& diagnosis) {
-  const Ladder ladder(selection, identification.closed_form, options.folds, options.seed);
+std::vector<bool> climb(const Selection& selection, const MeasuredCell& measured, const Identification& identification,
+                        const DiagnoseOptions& options, Diagnosis& diagnosis) {
+  const Ladder ladder(selection, measured, identification, options.folds, options.seed);
   std::vector<Rung> rungs = ladder.geometricRungs();
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     taken.push_back(i);
-    rungs.push_back(ladder.rungWith(rungName(selection, taken), taken, HeldOut::kRandom));
+    rungs.push_back(ladder.rungWith(rungName(selection, rungs[kIdentified].stage, taken), taken, HeldOut::kRandom));
   }
   const MeasurementNoise noise = measurementNoise(selection.measured, selection.linear, identification.sigmas_stated);
   const Gap gap(selection, noise, rungs, options.seed);
@@ -148,6 +148,7 @@ std::vector<bool> climb(const Selection& selection, const Identification& identi
 
 Diagnosis diagnose(const Identification& identification, const Measurements& given, const DiagnoseOptions& options) {
   if (!identification.start.arm) throw InsufficientData("a diagnosis needs joint readings");
+  if (identification.folds.empty()) throw InsufficientData("no pose was held out to judge a model");
   Measurements measurements = given;
   const RowOrder row_order = standInByRowOrder(measurements.samples);
   const MeasuredCell measured = measuredCell(identification, measurements, options);
@@ -164,7 +165,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
   for (SearchLimits limits;;) {
     const Selection selection = selectEffects(measured, state, wild, limits);
     Diagnosis diagnosis = tellFindings(selection, row_order);
-    const std::vector<bool> serves = climb(selection, identification, options, diagnosis);
+    const std::vector<bool> serves = climb(selection, measured, identification, options, diagnosis);
     std::size_t useless = 0;
     for (; useless < diagnosis.findings.size(); ++useless) {
       const std::string& effect = diagnosis.findings[useless].effect;

@@ -21,10 +21,15 @@ Json gapJson(const Diagnosis& diagnosis) {
   Json stages = Json::array();
   for (const GapStage& stage : diagnosis.stages) {
     stages.push_back({{"stage", stage.stage},
-                      {"rms" + suffix, unit * stage.rms},
+                      {"rms" + suffix, diagnosis.pixels ? stage.errors.px.rms : 1e3 * stage.errors.position.rms},
+                      {"rms_kept" + suffix, unit * stage.rms},
                       {"excess" + suffix, unit * stage.excess},
-                      {"position_mm", 1e3 * stage.position},
-                      {"rotation_mrad", 1e3 * stage.rotation}});
+                      {"position_mm", 1e3 * stage.errors.position.mean},
+                      {"position_mm_p95", 1e3 * stage.errors.position.p95},
+                      {"position_mm_max", 1e3 * stage.errors.position.max},
+                      {"rotation_mrad", 1e3 * stage.errors.rotation.mean},
+                      {"rotation_mrad_p95", 1e3 * stage.errors.rotation.p95},
+                      {"rotation_mrad_max", 1e3 * stage.errors.rotation.max}});
   }
   return {{"stages", stages},
           {"before_excess" + suffix, unit * diagnosis.before_excess},

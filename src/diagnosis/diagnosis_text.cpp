@@ -48,8 +48,9 @@ std::string ladder(const Diagnosis& diagnosis) {
   std::size_t width = 0;
   for (const GapStage& stage : diagnosis.stages) width = std::max(width, stage.stage.size());
   for (const GapStage& stage : diagnosis.stages) {
-    text += fmt::format("    {:<{}}  rms {}, above noise {}, {:.3f} mm, {:.3f} mrad\n", stage.stage, width, size(diagnosis, stage.rms),
-                        size(diagnosis, stage.excess), 1e3 * stage.position, 1e3 * stage.rotation);
+    const double rms = diagnosis.pixels ? stage.errors.px.rms : stage.errors.position.rms;
+    text += fmt::format("    {:<{}}  rms {}, above noise {}, {:.3f} mm, {:.3f} mrad\n", stage.stage, width, size(diagnosis, rms),
+                        size(diagnosis, stage.excess), 1e3 * stage.errors.position.mean, 1e3 * stage.errors.rotation.mean);
   }
   return text;
 }

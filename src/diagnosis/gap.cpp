@@ -160,18 +160,11 @@ Gap::Gap(const Selection& selection, const MeasurementNoise& noise, const std::v
 }
 
 GapStage Gap::stageOf(const Rung& rung) const {
-  PoseErrors sum;
-  for (const PoseErrors& pose : rung.poses) {
-    sum.position += pose.position;
-    sum.rotation += pose.rotation;
-    sum.targets += pose.targets;
-  }
   GapStage stage;
   stage.stage = rung.stage;
+  stage.errors = rung.every_row;
   stage.rms = std::sqrt(meanSquare(rung));
   stage.excess = std::sqrt(std::max(0.0, meanSquare(rung) - subtracted_));
-  stage.position = sum.targets > 0.0 ? std::sqrt(sum.position / sum.targets) : 0.0;
-  stage.rotation = sum.targets > 0.0 ? std::sqrt(sum.rotation / sum.targets) : 0.0;
   if (!(stage.excess <= stage.rms) || !(noiseRms() <= stage.rms)) {
     throw std::logic_error("the noise told is larger than what poses that a fit did not see are off by");
   }

@@ -15,15 +15,15 @@ namespace poecal {
 
 /// Sums of one pose (all its shots), collected over the folds.
 struct PoseErrors {
-  double squares = 0.0;                                  ///< of corner lengths [px^2], or positions [m^2]
-  double points = 0.0;                                   ///< corners, or positions
-  double position = 0.0, rotation = 0.0, targets = 0.0;  ///< squares at the flange, and of how many pictures
+  double squares = 0.0;  ///< of corner lengths [px^2], or positions [m^2]
+  double points = 0.0;   ///< corners, or positions
 };
 
-/// One rung: per pose, in the order of the groups.
+/// One rung: per pose that was kept, in the order of the groups.
 struct Rung {
   std::string stage;
   std::vector<PoseErrors> poses;
+  ErrorSummary every_row;  ///< the rows that were set aside among them
 };
 
 /// Two rungs on the same poses.

@@ -1,9 +1,10 @@
 #include "diagnosis/ladder.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <set>
 
 #include "diagnosis/refit.hpp"
-#include "poecal/registration/target_pose.hpp"
 
 namespace poecal {
 namespace {
@@ -26,11 +27,26 @@ NoiseEstimate asCornerNoise(const Linearised& linear) {
 
 }  // namespace
 
-Ladder::Ladder(const Selection& selection, const Registration& closed_form, int folds, std::uint64_t seed)
-    : selection_(selection), closed_form_(closed_form) {
-  for (const HeldOut kind : {HeldOut::kRandom, HeldOut::kTime, HeldOut::kPosture}) {
-    folds_[kind] = makeFolds(selection.measured, kind, folds, seed);
+Ladder::Ladder(const Selection& selection, const MeasuredCell& all, const Identification& identification, int folds, std::uint64_t seed)
+    : selection_(selection), all_(all), identification_(identification) {
+  const std::set<std::size_t> bad(selection.bad.begin(), selection.bad.end());
+  for (std::size_t k = 0; k < all.observations.size(); ++k) {
+    if (!bad.contains(k)) kept_.push_back(k);
   }
+  folds_[HeldOut::kRandom] = identificationFolds();
+  for (const HeldOut kind : {HeldOut::kTime, HeldOut::kPosture}) folds_[kind] = makeFolds(selection.measured, kind, folds, seed);
+}
+
+Folds Ladder::identificationFolds() const {
+  std::map<std::size_t, std::size_t> fold_of;
+  for (std::size_t fold = 0; fold < identification_.folds.size(); ++fold) {
+    for (const std::size_t k : identification_.folds[fold]) fold_of[k] = fold;
+  }
+  Folds folds(identification_.folds.size());
+  for (std::size_t g = 0; g < selection_.measured.groups.size(); ++g) {
+    folds.at(fold_of.at(kept_[selection_.measured.groups[g].front()])).push_back(g);
+  }
+  return folds;
 }
 
 std::vector<HeldOut> Ladder::blocks() const {
@@ -41,73 +57,58 @@ std::vector<HeldOut> Ladder::blocks() const {
   return {HeldOut::kTime, HeldOut::kPosture};
 }
 
-void Ladder::addErrors(const Linearised& at, const Groups& test, const std::vector<std::size_t>& numbers, Rung& rung) const {
-  for (std::size_t g = 0; g < test.size(); ++g) {
-    PoseErrors& pose = rung.poses[numbers[g]];
-    for (const std::size_t k : at.rows.groups[g]) {
-      const ObservationRows& part = at.rows.observations[k];
-      const Observation& observation = selection_.measured.observations[part.context.number];
-      if (observation.pose) {
-        const Vector6d e = poseDifference(observation.pose->T_camera_target, part.ports.T_camera_target);
-        pose.squares += e.tail<3>().squaredNorm();
-        pose.points += 1.0;
-        pose.position += e.tail<3>().squaredNorm();
-        if (!observation.pose->position_only) pose.rotation += e.head<3>().squaredNorm();
-        pose.targets += 1.0;
-        continue;
-      }
-      const Eigen::VectorXd r = at.rows.r.segment(part.begin, part.size);
-      for (std::size_t j = 0; j < part.unit_sigma.size(); ++j) {
-        if (!part.rows.valid[j]) continue;
-        pose.squares += r.segment<2>(2 * static_cast<Eigen::Index>(j)).squaredNorm() * part.unit_sigma[j] * part.unit_sigma[j];
+void Ladder::addErrors(const MeasuredCell& measured, const Linearised& at, const std::vector<std::size_t>& numbers,
+                       ErrorCollector& errors) const {
+  for (const ObservationRows& part : at.rows.observations) {
+    const PlainSight plain = plainSight(measured, at.state, part);
+    errors.add(plain.cell, numbers[part.context.number], plain.observation, part.ports.T_camera_target);
+  }
+}
+
+Rung Ladder::rungOf(const std::string& stage, const std::vector<RowErrors>& rows, const ErrorSummary& every_row) const {
+  std::map<std::size_t, const RowErrors*> by_number;
+  for (const RowErrors& row : rows) by_number[row.index] = &row;
+  Rung rung{stage, {}, every_row};
+  for (const std::vector<std::size_t>& group : selection_.measured.groups) {
+    PoseErrors& pose = rung.poses.emplace_back();
+    for (const std::size_t k : group) {
+      for (const double length : by_number.at(kept_[k])->lengths) {
+        pose.squares += length * length;
         pose.points += 1.0;
       }
-      constexpr std::size_t kOfAPose = 4;  // corners that a pose of its own takes
-      if (observation.corners.size() < kOfAPose) continue;
-      const PlainSight plain = plainSight(selection_.measured, at.state, part);
-      const FreePose free = refinePose(*plain.cell.camera, plain.observation, part.ports.T_camera_target);
-      const Registration& registration = at.state.cell.cell.registration;
-      const Vector6d e = poseDifference(registration.baseFlange(free.T_camera_target), registration.baseFlange(part.ports.T_camera_target));
-      pose.position += e.tail<3>().squaredNorm();
-      pose.rotation += e.head<3>().squaredNorm();
-      pose.targets += 1.0;
     }
   }
+  return rung;
 }
 
 template <typename Fit>
 Rung Ladder::judged(const std::string& stage, HeldOut kind, Fit fit) const {
   const Groups& groups = selection_.measured.groups;
-  Rung rung{stage, std::vector<PoseErrors>(groups.size())};
-  for (const std::vector<std::size_t>& fold : folds_.at(kind)) {
+  const Folds& folds = folds_.at(kind);
+  std::vector<std::size_t> every(all_.observations.size());
+  std::iota(every.begin(), every.end(), 0);
+  ErrorCollector errors(identification_.corner_noise);
+  for (std::size_t f = 0; f < folds.size(); ++f) {
     Groups train, test;
     for (std::size_t g = 0; g < groups.size(); ++g) {
-      (std::binary_search(fold.begin(), fold.end(), g) ? test : train).push_back(groups[g]);
+      (std::binary_search(folds[f].begin(), folds[f].end(), g) ? test : train).push_back(groups[g]);
     }
     const Fitted model = fit(train);
-    addErrors(linearise(selection_.measured, model.state, model.accepted, {}, test), test, fold, rung);
+    addErrors(selection_.measured, linearise(selection_.measured, model.state, model.accepted, {}, test), kept_, errors);
+    if (kind != HeldOut::kRandom) continue;
+    // Rows that were set aside are in no fit, and are judged by that of their fold all the same.
+    Groups set_aside;
+    for (const std::size_t k : identification_.folds[f]) {
+      if (!std::binary_search(kept_.begin(), kept_.end(), k)) set_aside.push_back({k});
+    }
+    if (!set_aside.empty()) addErrors(all_, linearise(all_, model.state, model.accepted, {}, set_aside), every, errors);
   }
-  return rung;
+  return rungOf(stage, errors.rows(), errors.summary());
 }
 
 std::vector<Rung> Ladder::geometricRungs() const {
-  const MeasuredCell& measured = selection_.measured;
-  ModelState nominal{CellState(measured.start, measured.free), {}};
-  nominal.cell.cell.registration = closed_form_;
   std::vector<Rung> rungs;
-  rungs.push_back(judged("nominal", HeldOut::kRandom, [&](const Groups&) { return Fitted{nominal, {}}; }));
-  rungs.push_back(judged("registered", HeldOut::kRandom, [&](const Groups& train) {
-    std::vector<Observation> some;
-    for (const std::vector<std::size_t>& group : train) {
-      for (const std::size_t k : group) some.push_back(measured.observations[k]);
-    }
-    AdjustmentOptions options;
-    options.free = {.near = measured.free.near, .far = measured.free.far};
-    ModelState state{CellState(measured.start, measured.free), {}};
-    if (options.free.near) state.cell.cell = adjust(measured.start, some, options).cell;
-    return Fitted{state, {}};
-  }));
-  rungs.push_back(identifiedRung(HeldOut::kRandom));
+  for (const ModelStage& stage : identification_.stages) rungs.push_back(rungOf(stage.name, stage.held_out_rows, stage.held_out));
   return rungs;
 }
 

@@ -14,10 +14,12 @@ namespace poecal {
 
 class Ladder {
  public:
-  Ladder(const Selection& selection, const Registration& closed_form, int folds, std::uint64_t seed);
+  /// @param all  with the rows that belong to no model. @param identification  of them, with held-out poses.
+  Ladder(const Selection& selection, const MeasuredCell& all, const Identification& identification, int folds, std::uint64_t seed);
 
-  /// nominal, registered, identified: the last as `identify` does it, which knows corners that are off by chance and nothing else.
+  /// nominal, registered, identified: the identification's own.
   std::vector<Rung> geometricRungs() const;
+  /// The identified model as `identify` makes it, which knows corners that are off by chance and nothing else, by other folds than its own.
   Rung identifiedRung(HeldOut kind) const;
   /// The identified model with some of the findings.
   Rung rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind) const;
@@ -37,10 +39,16 @@ class Ladder {
   Rung judged(const std::string& stage, HeldOut kind, Fit fit) const;
   Rung fitted(const std::string& stage, HeldOut kind, const ModelState& start, const std::vector<Accepted>& accepted,
               const std::vector<std::size_t>& scatter, const NoiseEstimate& noise) const;
-  void addErrors(const Linearised& at, const Groups& test, const std::vector<std::size_t>& numbers, Rung& rung) const;
+  /// Folds of the identification, as numbers of groups; a pose that a fold splits goes with its first row.
+  Folds identificationFolds() const;
+  void addErrors(const MeasuredCell& measured, const Linearised& at, const std::vector<std::size_t>& numbers, ErrorCollector& errors) const;
+  /// @param rows  by the numbers of all observations.
+  Rung rungOf(const std::string& stage, const std::vector<RowErrors>& rows, const ErrorSummary& every_row) const;
 
   const Selection& selection_;
-  Registration closed_form_;
+  const MeasuredCell& all_;
+  const Identification& identification_;
+  std::vector<std::size_t> kept_;  ///< numbers of the selection's observations among all
   std::map<HeldOut, Folds> folds_;
 };
 

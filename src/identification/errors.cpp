@@ -107,36 +107,40 @@ std::vector<FlangeError> expectedFlangeErrors(const std::vector<FlangeEvidence>&
 }
 
 void ErrorCollector::add(const Cell& cell, std::size_t index, const Observation& observation) {
-  indices_.push_back(index);
-  double square = 0.0;
-  std::vector<double> px;
-  for (const UnitResidual& unit : residuals(cell, observation)) {
-    square += unit.squared_norm;
+  add(cell, index, observation, modelTarget(cell, observation));
+}
+
+void ErrorCollector::add(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target) {
+  RowErrors row;
+  row.index = index;
+  for (const UnitResidual& unit : residuals(cell, observation, T_camera_target)) {
+    row.whitened_squares += unit.squared_norm;
     if (observation.pose) {
-      measured_.push_back({unit.residual.tail<3>().norm(), observation.pose->position_only ? 0.0 : unit.residual.head<3>().norm()});
+      row.measured = {unit.residual.tail<3>().norm(), observation.pose->position_only ? 0.0 : unit.residual.head<3>().norm()};
+      row.lengths.push_back(row.measured.position);
+      poses_ = true;
       rotations_ = rotations_ && !observation.pose->position_only;
     } else if (unit.residual.allFinite()) {
-      px.push_back(unit.residual.norm());
+      row.lengths.push_back(unit.residual.norm());
     }
   }
-  squares_.push_back(square);
-  px_.push_back(std::move(px));
-  if (!observation.pose) evidence_.push_back(flangeEvidence(cell, observation, modelTarget(cell, observation), noise_));
+  if (!observation.pose) row.evidence = flangeEvidence(cell, observation, T_camera_target, noise_);
+  rows_.push_back(std::move(row));
 }
 
 ErrorSummary ErrorCollector::summary(const std::function<bool(std::size_t)>& counts) const {
   std::vector<double> px;
   std::vector<FlangeEvidence> evidence;
   std::vector<FlangeError> errors;
-  ErrorSummary summary;
-  for (std::size_t k = 0; k < indices_.size(); ++k) {
-    if (counts && !counts(indices_[k])) continue;
-    ++summary.poses;
-    px.insert(px.end(), px_[k].begin(), px_[k].end());
-    if (k < evidence_.size()) evidence.push_back(evidence_[k]);
-    if (k < measured_.size()) errors.push_back(measured_[k]);
+  for (const RowErrors& row : rows_) {
+    if (counts && !counts(row.index)) continue;
+    evidence.push_back(row.evidence);
+    errors.push_back(row.measured);
+    if (!poses_) px.insert(px.end(), row.lengths.begin(), row.lengths.end());
   }
-  if (!evidence.empty()) errors = expectedFlangeErrors(evidence);
+  ErrorSummary summary;
+  summary.poses = static_cast<int>(errors.size());
+  if (!poses_ && !evidence.empty()) errors = expectedFlangeErrors(evidence);
   std::vector<double> positions, rotations;
   for (const FlangeError& error : errors) {
     positions.push_back(error.position);

@@ -104,6 +104,7 @@ class Identifier {
       Identification stated = result_;
       stated.camera_refitted = false;
       report(std::move(*choice.stated), stated);
+      stated.stages.back().name += ", lens as stated";
       result_.with_stated_camera = std::make_shared<const Identification>(std::move(stated));
     }
     result_.warnings.insert(result_.warnings.end(), choice.warnings.begin(), choice.warnings.end());
@@ -222,12 +223,13 @@ class Identifier {
     const auto kept = [&](std::size_t k) { return !leftOut(judged.fit, k); };
     const char* names[3] = {"nominal", "registered", "identified"};
     for (int stage = 0; stage < 3; ++stage) {
-      judged.stages.push_back({names[stage], calibration[stage].summary(), test[stage].summary(), test[stage].summary(kept)});
+      judged.stages.push_back(
+          {names[stage], calibration[stage].summary(), test[stage].summary(), test[stage].summary(kept), test[stage].rows()});
     }
-    for (std::size_t i = 0; i < test[2].indices().size(); ++i) {
-      if (!kept(test[2].indices()[i])) continue;
-      judged.held_out.push_back(test[2].indices()[i]);
-      judged.held_out_squares.push_back(test[2].squares()[i]);
+    for (const RowErrors& row : test[2].rows()) {
+      if (!kept(row.index)) continue;
+      judged.held_out.push_back(row.index);
+      judged.held_out_squares.push_back(row.whitened_squares);
     }
     return judged;
   }
@@ -293,6 +295,8 @@ class Identifier {
   void report(Judged judged, Identification& result) const {
     const MethodFit& fit = judged.fit;
     result.stages = std::move(judged.stages);
+    result.corner_noise = corner_noise_;
+    for (const Fold& fold : folds_) result.folds.push_back(fold.test);
     result.held_out_poses = result.stages.back().held_out.poses;
     result.status = fit.converged ? AdjustmentStatus::kConverged : AdjustmentStatus::kIterationLimit;
     if (!fit.converged) result.warnings.push_back("the fit reached its iteration limit: its figures are not those of a minimum");

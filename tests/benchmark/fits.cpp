@@ -96,7 +96,6 @@ void stage(::benchmark::State& state, const std::string& name) {
   IdentifyOptions options;
   Identification identified;
   if (name == "diagnose") {
-    options.hold_out_every = 0;
     identified = identify(capture.stated, capture.measurements, options, &capture.registration);
   } else if (name != "measure") {
     options.method = methodFromName(name);

@@ -25,9 +25,7 @@ TEST(DiagnoseReal, AnEccentricJointIsNamedBesideTheRecordingsOwnGap) {
     q1 -= kCosine * std::cos(q1) + kSine * std::sin(q1);
   }
   const Measurements measurements = measurementsOf(table);
-  IdentifyOptions options;
-  options.hold_out_every = 0;
-  const Diagnosis diagnosis = diagnose(identify(cell, measurements, options), measurements);
+  const Diagnosis diagnosis = diagnose(identify(cell, measurements), measurements);
   std::vector<std::string> named;
   for (const Finding& finding : diagnosis.findings) named.push_back(finding.effect + "@" + finding.location);
   ASSERT_THAT(named, ::testing::Contains("joint_eccentricity@joint:1"));

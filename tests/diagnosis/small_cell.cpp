@@ -134,10 +134,8 @@ void measurePoses(SmallCell& small, std::size_t k, const JointError& error, doub
 Diagnosis SmallCell::diagnosis() const {
   Cell stated = cell;
   stated.arm = nominal;
-  IdentifyOptions options;
-  options.hold_out_every = 0;
   const Measurements measured = measurements();
-  return diagnose(identify(stated, measured, options), measured);
+  return diagnose(identify(stated, measured), measured);
 }
 
 }  // namespace poecal::test

@@ -21,13 +21,12 @@ struct DiagnoseOptions {
   int jobs = 1;            ///< candidates weighed at a time (0: one per core); the result does not depend on it
 };
 
-/// One rung of the ladder, on poses that its fit did not see.
+/// One model stage, on poses that its fit did not see.
 struct GapStage {
-  std::string stage;      ///< "nominal", "registered", "identified", "identified + joint_gain@joint:2", ...
-  double rms = 0.0;       ///< length of a corner's residual [px]; for poses the distance [m]
-  double excess = 0.0;    ///< sqrt(max(0, rms^2 - noise^2)) [px] or [m]
-  double position = 0.0;  ///< at the flange, root mean square [m]
-  double rotation = 0.0;  ///< [rad]
+  std::string stage;    ///< "nominal", "registered", "identified", "identified + joint_gain@joint:2", ...
+  ErrorSummary errors;  ///< of every row; the first three are those of the identification
+  double rms = 0.0;     ///< of the rows that were kept: length of a corner's residual [px]; for poses the distance [m]
+  double excess = 0.0;  ///< sqrt(max(0, rms^2 - noise^2)) [px] or [m]
 };
 
 /// Where a finding's name is not the only one that the data leave open.

@@ -48,26 +48,33 @@ struct FlangeError {
 /// given its corners. Where the estimate is 0 the variances are what so many poses could not have told from 0.
 std::vector<FlangeError> expectedFlangeErrors(const std::vector<FlangeEvidence>& evidence);
 
+/// Errors of one observation.
+struct RowErrors {
+  std::size_t index = 0;          ///< of the observation
+  double whitened_squares = 0.0;  ///< residuals in stated sigmas
+  std::vector<double> lengths;    ///< of the corners that can be projected [px]; of poses the distance [m]
+  FlangeEvidence evidence;        ///< corners only
+  FlangeError measured;           ///< poses only
+};
+
 /// Errors of single observations, collected over folds and summarised once.
 class ErrorCollector {
  public:
   /// @param noise  standard deviation of corners in their stated sigmas.
   explicit ErrorCollector(double noise = 1.0) : noise_(noise) {}
   void add(const Cell& cell, std::size_t index, const Observation& observation);
+  /// The same where the model has the target elsewhere than the cell.
+  void add(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target);
   /// Of the observations whose index counts. @param counts  empty: all do.
   ErrorSummary summary(const std::function<bool(std::size_t)>& counts = {}) const;
-  /// Indices in the order added, and the sum of squared pixel (or whitened pose) residuals of each.
-  const std::vector<std::size_t>& indices() const { return indices_; }
-  const std::vector<double>& squares() const { return squares_; }
+  /// In the order added.
+  const std::vector<RowErrors>& rows() const { return rows_; }
 
  private:
   double noise_;
-  std::vector<std::size_t> indices_;
-  std::vector<double> squares_;
-  std::vector<std::vector<double>> px_;
-  std::vector<FlangeEvidence> evidence_;  ///< corners only
-  std::vector<FlangeError> measured_;     ///< poses only
-  bool rotations_ = true;
+  bool poses_ = false;     ///< of an instrument
+  bool rotations_ = true;  ///< whether they have one
+  std::vector<RowErrors> rows_;
 };
 
 }  // namespace poecal

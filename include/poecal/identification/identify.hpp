@@ -56,9 +56,10 @@ struct SuspectRow {
 /// One model stage: "nominal" (the nominal arm with a closed-form registration), "registered", "identified".
 struct ModelStage {
   std::string name;
-  ErrorSummary calibration;    ///< every row, by the fit to all of them
-  ErrorSummary held_out;       ///< every row, each by a fit that did not see its pose
-  ErrorSummary held_out_kept;  ///< of these, without the rows that the fit set aside as contradicting all others
+  ErrorSummary calibration;              ///< every row, by the fit to all of them
+  ErrorSummary held_out;                 ///< every row, each by a fit that did not see its pose
+  ErrorSummary held_out_kept;            ///< of these, without the rows that the fit set aside as contradicting all others
+  std::vector<RowErrors> held_out_rows;  ///< each row of held_out, by its observation
 };
 
 struct Identification {
@@ -73,7 +74,9 @@ struct Identification {
   int poses = 0;           ///< observations used
   int held_out_poses = 0;  ///< of these, poses that judged a fit which did not see them
   bool leave_one_out = false;
+  std::vector<std::vector<std::size_t>> folds;  ///< observations that were held out together, in turn; empty where none was
   // Noise and fit
+  double corner_noise = 1.0;  ///< standard deviation of corners in their stated sigmas, from free poses of the target
   bool sigmas_stated = false;
   double scale = 0.0;               ///< of the stated sigmas; the sigma itself [px] where corners state none
   double sigma_position = 0.0;      ///< estimated, per axis [m]; poses only
