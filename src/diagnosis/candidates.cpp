@@ -156,6 +156,9 @@ class Curves {
  public:
   Curves(const MeasuredCell& measured, const std::vector<SampleContext>& contexts) : measured_(measured), contexts_(contexts) {
     common_.push_back(driver("stamp", kStampWaves));
+    // Sway, which comes and goes many times.
+    common_.push_back(driver("stamp", kSwayWaves));
+    common_.back().bend = kSwayWaves;
     common_.push_back(driver("temperature", kFewWaves));
     for (const std::string& column : measured.other_columns) common_.push_back(driver(column, kFewWaves));
   }
@@ -171,8 +174,8 @@ class Curves {
   }
 
  private:
-  static constexpr int kJointWaves = 14, kStampWaves = 14, kFewWaves = 5, kOtherJointWaves = 6, kTorqueWaves = 8, kLensOrders = 6,
-                       kFineWaves = 40;
+  static constexpr int kJointWaves = 14, kStampWaves = 14, kSwayWaves = 32, kFewWaves = 5, kOtherJointWaves = 6, kTorqueWaves = 8,
+                       kLensOrders = 6, kFineWaves = 40;
 
   Driver driver(const std::string& name, int count) const {
     Driver made{name, Eigen::VectorXd(static_cast<Eigen::Index>(contexts_.size())), count};
@@ -211,7 +214,9 @@ class Curves {
   void add(PlaceKind place, std::size_t index, const Driver& driver) {
     constexpr double kTypicalRadian = 2e-4, kTypicalMetre = 2e-4;
     const std::optional<CurveRange> range = rangeOf(driver.value);
-    const int count = std::min(driver.waves, static_cast<int>(contexts_.size()) / 5);
+    // A curve that is not smooth anyway may be as fine as poses carry it, were they evenly spread.
+    const int carried = static_cast<int>(contexts_.size()) / (driver.bend < driver.waves ? 5 : 2);
+    const int count = std::min(driver.waves, carried);
     if (!range || count == 0) return;
     const bool joint = place == PlaceKind::kJoint;
     Candidate candidate;
@@ -310,6 +315,13 @@ void curveAction(const Candidate& candidate, const ObservationRows& part, Eigen:
     lensAction(curve, part, action);
     return;
   }
+  if (!curve.terms.empty()) {
+    for (std::size_t i = 0; i < curve.terms.size(); ++i) {
+      const double phase = phaseOf(curve.terms[i], part.context.sample.q);
+      action.middleCols<2>(2 * static_cast<Eigen::Index>(i)) << std::cos(phase), std::sin(phase);
+    }
+    return;
+  }
   const Eigen::RowVectorXd waves = curve.range.waves(driverValue(candidate.driver, part.context), curve.waves);
   if (curve.place == PlaceKind::kJoint) {
     action = waves;
@@ -353,6 +365,8 @@ std::optional<Eigen::Index> Candidate::slipTime() const {
   if (!scan || effect->parameters()[*scan].name != "time") return {};
   return static_cast<Eigen::Index>(*scan);
 }
+
+bool Candidate::isPositive() const { return known() && effect->kind().yields_to_gravity && !effect->byMasses(); }
 
 std::vector<Candidate> untriedTimes(const Candidate& slip, const std::vector<Sample>& samples) {
   const std::optional<Eigen::Index> time = slip.slipTime();

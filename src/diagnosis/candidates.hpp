@@ -22,6 +22,7 @@ struct Curve {
   CurveRange range;                     ///< of the driver in the capture; not for the lens, whose waves are of the pixel
   Eigen::Index waves = 0;               ///< how many
   int orders = 0;                       ///< lens only: waves along u and v in all
+  std::vector<AngleWave> terms = {};    ///< joint only: waves of several angles, in place of those of one driver; ascending
 };
 
 /// Where a candidate enters the cell. Its action there is what each of its columns does, in an observation: one number where it turns a
@@ -52,8 +53,12 @@ struct Candidate {
   double log_prior = 0.0;   ///< share among all explanations
 
   bool known() const { return effect.has_value(); }
+  /// Waves of several joint angles, however many of them.
+  bool isWaves() const { return curve && !curve->terms.empty(); }
   /// Which of `parameters` says when a slip was; nothing for other candidates.
   std::optional<Eigen::Index> slipTime() const;
+  /// Whether its first factor cannot be below zero: how far a part yields to a load.
+  bool isPositive() const;
   /// Number of columns that stand by themselves: all but what wrongly stated masses leave out.
   Eigen::Index own() const { return mass_errors ? static_cast<Eigen::Index>(linear.size()) : typical.size(); }
   /// 1 sigma of each column's factor for an effect of `scale` times its typical size. Stated masses are off by a share of themselves: what

@@ -149,6 +149,7 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
                     .column_prior = {},
                     .components = {},
                     .noise = {},
+                    .settled = true,
                     .jobs = measured.jobs};
   Eigen::Index width = 0;
   for (const Accepted& one : accepted) width += one.candidate.typical.size();

@@ -25,6 +25,7 @@ struct Linearised {
   ColumnPrior column_prior;
   std::vector<NoiseComponent> components;
   NoiseEstimate noise;  ///< with all of this
+  bool settled = true;  ///< refit() came to rest here
   int jobs = 1;         ///< as MeasuredCell's
 
   /// X: columns of the base model, then those of what was accepted.

@@ -19,6 +19,13 @@ AppliedEffect withDeviations(AppliedEffect applied, const Eigen::VectorXd& devia
   return applied;
 }
 
+/// What no listed effect explains, as the model holds it.
+AppliedEffect curveOf(const Accepted& one, const Cell& cell) {
+  const Candidate& candidate = one.candidate;
+  if (!candidate.curve->terms.empty()) return makeAngleWaves(candidate.location, candidate.curve->terms, one.factors, cell);
+  return makeCurve(candidate.location, candidate.driver, candidate.curve->range, one.factors, cell);
+}
+
 /// What was found as the model holds it: named effects and what their stated masses leave out, curves, and joints that move at random.
 std::vector<AppliedEffect> appliedEffects(const Selection& selection, const std::vector<Eigen::VectorXd>& deviations) {
   const ModelState& state = selection.linear.state;
@@ -26,10 +33,7 @@ std::vector<AppliedEffect> appliedEffects(const Selection& selection, const std:
   for (std::size_t k = 0; k < selection.linear.accepted.size(); ++k) {
     const Accepted& one = selection.linear.accepted[k];
     const Candidate& candidate = one.candidate;
-    effects.push_back(withDeviations(
-        candidate.known() ? state.effects[one.effect]
-                          : makeCurve(candidate.location, candidate.driver, candidate.curve->range, one.factors, state.cell.cell),
-        deviations[k]));
+    effects.push_back(withDeviations(candidate.known() ? state.effects[one.effect] : curveOf(one, state.cell.cell), deviations[k]));
     if (!candidate.mass_errors) continue;
     const Eigen::Index count = candidate.mass_errors->start().size();
     effects.push_back(withDeviations({*candidate.mass_errors, one.factors.tail(count)}, deviations[k].tail(count)));

@@ -287,6 +287,15 @@ std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const 
 
 std::string scatterName(std::size_t k) { return fmt::format("scatter joint:{}", k + 1); }
 
+std::vector<std::size_t> scatterOf(const std::vector<NoiseComponent>& components) {
+  const std::string prefix = "scatter joint:";
+  std::vector<std::size_t> joints;
+  for (const NoiseComponent& each : components) {
+    if (each.name.starts_with(prefix)) joints.push_back(std::stoul(each.name.substr(prefix.size())) - 1);
+  }
+  return joints;
+}
+
 NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start) {
   return component(rows, scatterName(k), start, true, [k](const ObservationRows& part) {
     return Eigen::MatrixXd(part.rows.H * part.ports.joints.col(static_cast<Eigen::Index>(k)));

@@ -36,6 +36,9 @@ std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const 
 /// What the component of joint k (from 0) that moves at random by itself is called.
 std::string scatterName(std::size_t k);
 
+/// Joints (from 0) of which there is such a component.
+std::vector<std::size_t> scatterOf(const std::vector<NoiseComponent>& components);
+
 /// Joint k (from 0) moving at random from pose to pose, by itself. @param start  variance [rad^2].
 NoiseComponent jointScatter(const CaptureRows& rows, std::size_t k, double start);
 

@@ -11,7 +11,7 @@ namespace poecal {
 namespace {
 
 constexpr double kScatterShare = 0.2;  // prior share of joints that move at random
-constexpr std::size_t kShortlist = 8, kCurveShortlist = 4;
+constexpr std::size_t kShortlist = 8, kCurveShortlist = 5;
 
 double logSumExp(const std::vector<double>& values) {
   if (values.empty()) return -std::numeric_limits<double>::infinity();
@@ -36,17 +36,17 @@ double scatterScore(const WhiteResidual& white, const NoiseComponent& joint) {
 
 class Ranker {
  public:
-  /// @param curves  whether curves of unknown shape may be answers.
-  Ranker(const MeasuredCell& measured, const std::vector<Candidate>& candidates, bool curves)
-      : measured_(measured), candidates_(candidates), curves_(curves) {}
+  /// @param waves  nullptr: curves of unknown shape may not be answers.
+  Ranker(const MeasuredCell& measured, const std::vector<Candidate>& candidates, const WaveDictionary* waves)
+      : measured_(measured), candidates_(candidates), waves_(waves) {}
 
-  Ranking rank(const Linearised& linear, const std::vector<std::string>& taken) const {
+  Ranking rank(const Linearised& linear, const std::vector<std::string>& taken, const std::vector<Candidate>& kept) const {
     Ranking ranking;
     ranking.screened = screen(linear, candidates_);
     std::map<std::string, std::vector<std::size_t>> by_answer;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      if (!curves_ && !candidates_[i].known()) continue;
-      if (std::find(taken.begin(), taken.end(), candidates_[i].answer()) == taken.end()) by_answer[candidates_[i].answer()].push_back(i);
+      if (waves_ == nullptr && !candidates_[i].known()) continue;
+      if (!isTaken(candidates_[i], taken)) by_answer[candidates_[i].answer()].push_back(i);
     }
     for (const auto& [name, members] : by_answer) {
       if (!taken.empty() && !isTestable(ranking, members)) continue;
@@ -56,28 +56,69 @@ class Ranker {
         weights.push_back(weight(ranking, i));
         if (weight(ranking, i) > weight(ranking, best)) best = i;
       }
-      const Candidate& candidate = candidates_[best];
-      ranking.answers.push_back({.name = candidate.name,
-                                 .location = candidate.location,
-                                 .driver = candidate.driver,
-                                 .log_weight = logSumExp(weights),
-                                 .log_bayes = ranking.screened[best].log_bayes,
-                                 .chi_square = ranking.screened[best].chi_square,
-                                 .candidate = candidate,
-                                 .scatter = {},
-                                 .screened = ranking.screened[best],
-                                 .exact = {}});
+      ranking.answers.push_back(answerOf(candidates_[best], ranking.screened[best], logSumExp(weights)));
     }
     findTimes(linear, ranking);
+    addWaves(linear, taken, kept, ranking);
     sort(ranking);
-    sharpen(linear, ranking, taken.empty() && leavesPlacesOpen(linear));
+    sharpen(linear, ranking);
     addScatter(linear, taken, ranking);
+    sort(ranking);
+    weighAgain(linear, ranking, taken.empty() && leavesPlacesOpen(linear));
     sort(ranking);
     ranking.sumUp();
     return ranking;
   }
 
  private:
+  static RankedAnswer answerOf(const Candidate& candidate, const Evidence& screened, double log_weight) {
+    return {.name = candidate.name,
+            .location = candidate.location,
+            .driver = candidate.driver,
+            .log_weight = log_weight,
+            .log_bayes = screened.log_bayes,
+            .chi_square = screened.chi_square,
+            .candidate = candidate,
+            .scatter = {},
+            .screened = screened,
+            .exact = {}};
+  }
+
+  /// Whether an answer is in already: what joint angles drive at a joint is one answer, whatever its shape.
+  static bool isTaken(const Candidate& candidate, const std::vector<std::string>& taken) {
+    const bool posture = !candidate.known() && candidate.location.starts_with("joint:") && candidate.driver.starts_with("q");
+    const std::string there = answerName(candidate.name, candidate.location, "q");
+    return std::any_of(taken.begin(), taken.end(),
+                       [&](const std::string& name) { return name == candidate.answer() || (posture && name.starts_with(there)); });
+  }
+
+  /// Waves of several joints: at each joint those that serve best.
+  void addWaves(const Linearised& linear, const std::vector<std::string>& taken, const std::vector<Candidate>& kept,
+                Ranking& ranking) const {
+    if (waves_ == nullptr) return;
+    constexpr std::size_t kMost = 6;  // of one that is not taken yet: what they explain is clear by then
+    std::vector<Candidate> waves = waveCandidates(measured_, linear, *waves_, std::min(kMost, mostWaves(linear.rows.groups.size())));
+    waves.insert(waves.end(), kept.begin(), kept.end());
+    const std::vector<Evidence> evidence = screen(linear, waves);
+    std::map<std::string, RankedAnswer> best;
+    for (std::size_t i = 0; i < waves.size(); ++i) {
+      if (isTaken(waves[i], taken)) continue;
+      RankedAnswer answer = answerOf(waves[i], evidence[i], evidence[i].log_bayes + waves[i].log_prior);
+      const auto there = best.find(answer.location);
+      if (there == best.end() || there->second.log_weight < answer.log_weight) best[answer.location] = std::move(answer);
+    }
+    for (auto& [location, answer] : best) {
+      const auto same = std::find_if(ranking.answers.begin(), ranking.answers.end(), [&answer = answer](const RankedAnswer& other) {
+        return other.name == answer.name && other.location == answer.location && other.driver == answer.driver;
+      });
+      if (same == ranking.answers.end()) {
+        ranking.answers.push_back(std::move(answer));
+      } else if (same->log_weight < answer.log_weight) {
+        *same = std::move(answer);
+      }
+    }
+  }
+
   double weight(const Ranking& ranking, std::size_t i) const { return ranking.screened[i].log_bayes + candidates_[i].log_prior; }
 
   /// Whether an effect of a size that is met on real cells could be seen. What could not is, beside another finding, mostly what that one
@@ -131,19 +172,23 @@ class Ranker {
     return far >= 0 && linear.noise.covariance.diagonal().segment<3>(far + 3).maxCoeff() > kOpen * kOpen;
   }
 
-  /// What the rows say more of an effect where the fit may go from the linearisation to the places at which they show it best.
-  double gainOfRefit(const Linearised& linear, const Candidate& candidate, const ExactEvidence& exact) const {
-    const Eigen::Index count = candidate.typical.size();
-    Accepted one{.candidate = candidate, .factors = Eigen::VectorXd::Zero(count), .scale = exact.scale};
-    Linearised plain = linearise(measured_, linear.state, {one}, {}, {});
+  /// What the rows say more of an explanation, or less, where the fit goes from the linearisation to the place at which they show it best;
+  /// nothing where it comes to no rest.
+  std::optional<double> gainOfRefit(const Linearised& linear, const RankedAnswer& answer) const {
+    const Eigen::Index count = answer.candidate->typical.size();
+    std::vector<Accepted> all = linear.accepted;
+    all.push_back({.candidate = *answer.candidate, .factors = Eigen::VectorXd::Zero(count), .scale = answer.exact->scale});
+    const std::vector<std::size_t> scatter = scatterOf(linear.components);
+    Linearised plain = linearise(measured_, linear.state, all, scatter, {});
     setNoise(measured_, linear.noise, plain);
-    one.factors = exact.noise.b.tail(count);
-    const Linearised fitted = refit(measured_, linear.state, {one}, {}, plain.noise, {}, true);
-    return std::max(0.0, fitted.noise.log_likelihood - plain.noise.log_likelihood);
+    all.back().factors = answer.exact->noise.b.tail(count);
+    const Linearised fitted = refit(measured_, linear.state, all, scatter, plain.noise, {}, true);
+    if (!fitted.settled) return {};
+    return fitted.noise.log_likelihood - plain.noise.log_likelihood;
   }
 
-  /// The best few with the noise estimated beside them. @param refitted  where they are weighed after a fit of their own.
-  void sharpen(const Linearised& linear, Ranking& ranking, bool refitted) const {
+  /// The best few with the noise estimated beside them.
+  void sharpen(const Linearised& linear, Ranking& ranking) const {
     std::size_t named = 0, curves = 0;
     for (RankedAnswer& answer : ranking.answers) {
       const bool known = answer.candidate->known();
@@ -151,10 +196,46 @@ class Ranker {
       ++(known ? named : curves);
       if (answer.log_bayes < 0.0) continue;
       answer.exact = exactEvidence(linear, measured_, *answer.candidate, answer.screened);
-      if (refitted && known) answer.exact->log_bayes += gainOfRefit(linear, *answer.candidate, *answer.exact);
+      if (answer.candidate->isPositive()) answer.exact->log_bayes += logShareAboveZero(*answer.exact, answer.candidate->typical.size());
       answer.log_weight += answer.exact->log_bayes - answer.log_bayes;
       answer.log_bayes = answer.exact->log_bayes;
     }
+  }
+
+  /// Log of what belief in sizes above zero alone does to the evidence: twice the share of the posterior that lies there.
+  static double logShareAboveZero(const ExactEvidence& exact, Eigen::Index columns) {
+    const Eigen::Index i = exact.noise.b.size() - columns;
+    const double sigma = std::sqrt(std::max(exact.noise.covariance(i, i), 1e-300)), z = exact.noise.b(i) / sigma;
+    // Beyond that erfc is nothing: its asymptote.
+    if (z < -30.0) return -0.5 * z * z - std::log(-z) + 0.5 * std::log(2.0 / M_PI);
+    return std::log(std::erfc(-z / std::sqrt(2.0)));
+  }
+
+  /// Explanations that one linearisation cannot tell apart, each fitted again with the arm from the same start: evidence there decides. One
+  /// whose fit comes to no rest is no answer. @param always  also where there is only one.
+  void weighAgain(const Linearised& linear, Ranking& ranking, bool always) const {
+    constexpr double kReach = 30.0, kFarShare = 0.01;  // units of log evidence; a large effect is linearised the worse the larger it is
+    constexpr std::size_t kMost = 10;
+    if (ranking.answers.empty()) return;
+    const RankedAnswer& best = ranking.answers.front();
+    if (!(best.log_weight > 0.0)) return;
+    const double least = best.log_weight - std::max(kReach, kFarShare * best.chi_square);
+    std::size_t count = 0;
+    while (count < std::min(kMost, ranking.answers.size()) && ranking.answers[count].log_weight > least) ++count;
+    if (count < 2 && !always) return;
+    std::vector<RankedAnswer> kept;
+    for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
+      RankedAnswer& answer = ranking.answers[i];
+      if (i < count && answer.exact && answer.candidate) {
+        const std::optional<double> gain = gainOfRefit(linear, answer);
+        if (!gain) continue;
+        answer.exact->log_bayes += *gain;
+        answer.log_bayes += *gain;
+        answer.log_weight += *gain;
+      }
+      kept.push_back(std::move(answer));
+    }
+    ranking.answers = std::move(kept);
   }
 
   void addScatter(const Linearised& linear, const std::vector<std::string>& taken, Ranking& ranking) const {
@@ -183,7 +264,7 @@ class Ranker {
 
   const MeasuredCell& measured_;
   const std::vector<Candidate>& candidates_;
-  bool curves_;
+  const WaveDictionary* waves_;
 };
 
 }  // namespace
@@ -202,9 +283,9 @@ double Ranking::probability(std::size_t answer) const {
 
 double Ranking::pValue() const { return std::min(1.0, std::exp(-log_total)); }
 
-Ranking rank(const MeasuredCell& measured, const std::vector<Candidate>& candidates, bool curves, const Linearised& linear,
-             const std::vector<std::string>& taken) {
-  return Ranker(measured, candidates, curves).rank(linear, taken);
+Ranking rank(const MeasuredCell& measured, const std::vector<Candidate>& candidates, const WaveDictionary* waves, const Linearised& linear,
+             const std::vector<std::string>& taken, const std::vector<Candidate>& kept) {
+  return Ranker(measured, candidates, waves).rank(linear, taken, kept);
 }
 
 std::size_t chosenAnswer(const Ranking& ranking) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnosis/evidence.hpp"
+#include "diagnosis/harmonics.hpp"
 
 namespace poecal {
 
@@ -39,9 +40,10 @@ struct Ranking {
 };
 
 /// Ranks all explanations at a linearisation that has its noise.
-/// @param curves  whether curves of unknown shape may be answers. @param taken  answers that are in the linearisation already.
-Ranking rank(const MeasuredCell& measured, const std::vector<Candidate>& candidates, bool curves, const Linearised& linear,
-             const std::vector<std::string>& taken);
+/// @param waves  of several joints, which stand beside the curves of `candidates`; nullptr: nothing of unknown shape may be an answer.
+/// @param taken  answers that are in the linearisation already. @param kept  waves that were found before and are weighed once more.
+Ranking rank(const MeasuredCell& measured, const std::vector<Candidate>& candidates, const WaveDictionary* waves, const Linearised& linear,
+             const std::vector<std::string>& taken, const std::vector<Candidate>& kept);
 
 /// The answer to give: the best, but a named one that a curve beats only by what its own imprecision leaves.
 std::size_t chosenAnswer(const Ranking& ranking);

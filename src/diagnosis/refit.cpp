@@ -65,6 +65,34 @@ double largestMove(const NoiseEstimate& solution) {
   return solution.b.cwiseAbs().cwiseQuotient(solution.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt()).maxCoeff();
 }
 
+/// What a solution would take off the misfit yet, were the rows linear.
+double promised(const NoiseEstimate& solution) {
+  const Eigen::VectorXd sigma = solution.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  Eigen::MatrixXd scaled = sigma.cwiseInverse().asDiagonal() * solution.covariance * sigma.cwiseInverse().asDiagonal();
+  scaled.diagonal().array() += 1e-9;
+  const Eigen::VectorXd b = solution.b.cwiseQuotient(sigma);
+  return b.dot(scaled.llt().solve(b));
+}
+
+/// The last step of a fit: verified like all others where it is more than rounding.
+Linearised atRest(const MeasuredCell& measured, Linearised here, const Place& place, double share, const std::vector<std::size_t>& scatter,
+                  const std::vector<std::vector<std::size_t>>& groups, double settled) {
+  constexpr double kAtRest = 0.5;  // of chi-square: less than chance moves it by
+  Place end = moved(measured, place, share);
+  if (share * largestMove(place.noise) >= settled) {
+    Linearised there = linearise(measured, end.state, end.accepted, scatter, groups);
+    there.noise = solveAt(measured, there, place.noise);
+    there.settled = promised(there.noise) < kAtRest;
+    if (!isWorse(there, place)) return there;
+    here.settled = promised(place.noise) < kAtRest;
+    return here;
+  }
+  // The rows stand where they were linearised; what little moves yet is in the solution.
+  here.state = std::move(end.state);
+  here.accepted = std::move(end.accepted);
+  return here;
+}
+
 }  // namespace
 
 Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Accepted> accepted, const std::vector<std::size_t>& scatter,
@@ -107,12 +135,11 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
     here = linearise(measured, place.state, place.accepted, scatter, groups);
     here.noise = place.noise;
   }
-  if (share < kShortest) return here;
-  // The rows stand where they were linearised; what little moves yet is in the solution.
-  Place end = moved(measured, place, share);
-  here.state = std::move(end.state);
-  here.accepted = std::move(end.accepted);
-  return here;
+  if (share < kShortest) {
+    here.settled = promised(place.noise) < 1.0;
+    return here;
+  }
+  return atRest(measured, std::move(here), place, share, scatter, groups, kSettled);
 }
 
 }  // namespace poecal

@@ -18,7 +18,8 @@ constexpr double kNeeded = 2.5;  // of each of several, with all others in
 
 class Selector {
  public:
-  Selector(const MeasuredCell& measured, const ModelState& state, const SearchLimits& limits) : given_(measured), limits_(limits) {
+  Selector(const MeasuredCell& measured, const ModelState& state, const SearchLimits& limits)
+      : given_(measured), waves_(*measured.start.arm, measured.samples), limits_(limits) {
     selection_.base = state;
     useTheRest();
   }
@@ -57,8 +58,12 @@ class Selector {
 
  private:
   Ranking ranked(const Linearised& linear, std::optional<std::size_t> without = {}) const {
-    return rank(selection_.measured, selection_.candidates, limits_.curves, linear, taken(without));
+    std::vector<Candidate> kept;
+    if (without && isWaves(selection_.findings[*without])) kept.push_back(selection_.findings[*without].accepted->candidate);
+    return rank(selection_.measured, selection_.candidates, limits_.curves ? &waves_ : nullptr, linear, taken(without), kept);
   }
+
+  static bool isWaves(const FoundEffect& found) { return found.accepted && found.accepted->candidate.isWaves(); }
 
   void listCandidates() {
     CandidateList list = allCandidates(selection_.measured, linear_.state);
@@ -127,6 +132,7 @@ class Selector {
     if (unknown_before) needed += 14.0 + 0.02 * explained();
     // Explanations that are hard to tell apart speak together for there being something.
     if (!((first ? ranking.log_total : answer.log_weight) > needed)) return false;
+    if (answer.scatter && takeStructureBeside(answer)) return true;
     take(ranking, chosen);
     if (!limits_.curves) return true;
     const double left = structureLeftAt(answer);
@@ -138,6 +144,52 @@ class Selector {
       judged.sumUp();
       take(judged, *curve);
     }
+    growWaves();
+    return true;
+  }
+
+  /// Further waves at the joints at which there are some: with those in, the noise is less and more of them show.
+  void growWaves() {
+    constexpr int kRounds = 4;
+    for (FoundEffect& found : selection_.findings) {
+      for (int round = 0; round < kRounds && isWaves(found); ++round) {
+        std::optional<Candidate> more = moreWaves(selection_.measured, linear_, waves_, found.accepted->candidate);
+        if (!more) break;
+        found.driver = more->driver;
+        found.accepted->factors = factorsIn(*more, *found.accepted);
+        found.accepted->candidate = std::move(*more);
+        refitAll();
+      }
+    }
+  }
+
+  /// Factors of waves among which there are some that were fitted already; zero of the others.
+  static Eigen::VectorXd factorsIn(const Candidate& waves, const Accepted& fitted) {
+    Eigen::VectorXd factors = Eigen::VectorXd::Zero(waves.typical.size());
+    Eigen::Index next = 0;
+    for (const AngleWave& wave : fitted.candidate.curve->terms) {
+      const auto at = std::find(waves.curve->terms.begin(), waves.curve->terms.end(), wave) - waves.curve->terms.begin();
+      factors.segment<2>(2 * at) = fitted.factors.segment<2>(next);
+      next += 2;
+    }
+    return factors;
+  }
+
+  /// A joint that moves at random is what is left when all that follows its pose is known: what can still be told beside it comes first.
+  /// @return whether there was any, which is taken in its place.
+  bool takeStructureBeside(const RankedAnswer& scatter) {
+    selection_.findings.push_back(finding(scatter));
+    refitAll();
+    Ranking beside = ranked(linear_);
+    selection_.findings.pop_back();
+    const std::size_t chosen = beside.answers.empty() ? 0 : chosenAnswer(beside);
+    const bool any = !beside.answers.empty() && beside.answers[chosen].candidate && beside.answers[chosen].log_weight > kBeside;
+    if (!any) {
+      refitAll();
+      return false;
+    }
+    take(beside, chosen);
+    growWaves();
     return true;
   }
 
@@ -192,6 +244,18 @@ class Selector {
     handBack();
   }
 
+  /// The answer that serves best in a finding's place. Structure does not give way to a joint that moves at random, which explains all.
+  static std::size_t chosenFor(const FoundEffect& now, const Ranking& ranking) {
+    if (ranking.answers.empty()) return 0;
+    const std::size_t chosen = chosenAnswer(ranking);
+    if (now.scatter || !ranking.answers[chosen].scatter) return chosen;
+    for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
+      const RankedAnswer& answer = ranking.answers[i];
+      if (answer.candidate && answer.log_weight > kNeeded) return answer.name == now.name && answer.location == now.location ? i : chosen;
+    }
+    return chosen;
+  }
+
   /// Each finding again beside all others: another answer that serves better takes its place, one that is not needed goes.
   void settle() {
     if (selection_.findings.size() < 2) return;
@@ -201,10 +265,12 @@ class Selector {
       for (std::size_t i = 0; i < selection_.findings.size(); ++i) {
         Linearised others = refit(selection_.measured, selection_.base, accepted(i), scatter(i), linear_.noise, {}, true);
         Ranking ranking = ranked(others, i);
-        const std::size_t chosen = ranking.answers.empty() ? 0 : chosenAnswer(ranking);
-        const RankedAnswer& best = ranking.answers[chosen];
         const FoundEffect& now = selection_.findings[i];
-        const bool same = best.name == now.name && best.location == now.location && best.driver == now.driver;
+        const std::size_t chosen = chosenFor(now, ranking);
+        if (chosen == ranking.answers.size()) continue;
+        const RankedAnswer& best = ranking.answers[chosen];
+        const bool waves = best.candidate && best.candidate->isWaves() && isWaves(now);
+        const bool same = best.name == now.name && best.location == now.location && (best.driver == now.driver || waves);
         if (!(best.log_weight > kNeeded)) {
           if (isMissed(now, others)) continue;
           selection_.findings.erase(selection_.findings.begin() + static_cast<std::ptrdiff_t>(i));
@@ -214,6 +280,7 @@ class Selector {
         }
         FoundEffect next = finding(best);
         if (same && now.accepted) next.accepted = now.accepted;
+        if (same) next.driver = now.driver;
         next.ranking = std::move(ranking);
         std::swap(next.ranking.answers[0], next.ranking.answers[chosen]);
         selection_.findings[i] = std::move(next);
@@ -316,6 +383,7 @@ class Selector {
   }
 
   const MeasuredCell& given_;
+  WaveDictionary waves_;
   std::vector<std::size_t> kept_;  ///< numbers in given_ of the observations in selection_.measured
   bool taken_back_ = false;
   std::set<std::vector<std::string>> settled_;  ///< names of the findings that were settled on together

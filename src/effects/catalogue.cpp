@@ -168,7 +168,7 @@ std::vector<Need> needsOf(const Effect& effect) {
 /// @throws InsufficientData where a curve follows what the sample does not have.
 void checkCurveDriver(const Effect& effect, const SampleContext& context) {
   const bool follows = effect.kind().parameters_of != nullptr && effect.driver() != "pixel";
-  if (!follows || !std::isnan(driverValue(effect.driver(), context))) return;
+  if (!follows || hasDrivers(effect.driver(), context)) return;
   throw InsufficientData(fmt::format("{} at {} cannot be reckoned: sample {} has no {}", effect.name(), effect.location(),
                                      context.number + 1, effect.driver()));
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -45,7 +47,22 @@ int lastOf(const std::string& prefix, const std::map<std::string, double>& given
   return static_cast<int>(last);
 }
 
+/// Both factors of every wave of several angles that is named; none where none is.
+std::vector<EffectParameter> waveParameters(const std::map<std::string, double>& given) {
+  std::set<AngleWave> waves;
+  for (const auto& [name, value] : given) {
+    if (const auto named = namedWave(name)) waves.insert(named->wave);
+  }
+  std::vector<EffectParameter> parameters;
+  for (const AngleWave& wave : waves) {
+    parameters.push_back({cosineName(wave), "rad", 1e-4});
+    parameters.push_back({sineName(wave), "rad", 1e-4});
+  }
+  return parameters;
+}
+
 std::vector<EffectParameter> jointParameters(const std::string& driver, const std::map<std::string, double>& given) {
+  if (std::vector<EffectParameter> waves = waveParameters(given); !waves.empty()) return waves;
   std::vector<EffectParameter> parameters = range(driver);
   for (int j = 1; j <= lastOf("c", given); ++j) parameters.push_back({fmt::format("c{}", j), "rad", 1e-4});
   return parameters;
@@ -96,6 +113,10 @@ double waveAt(const Effect& effect, const Eigen::VectorXd& parameters, const Sam
 
 void bendJoint(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters, const SampleContext& context, double amount,
                Disturbance& disturbance) {
+  if (const auto named = namedWave(effect.parameters()[static_cast<std::size_t>(i)].name)) {
+    kinds::jointPort(effect, disturbance) += amount * named->at(context.sample.q);
+    return;
+  }
   kinds::jointPort(effect, disturbance) += amount * waveAt(effect, parameters, context, i - kRange, parameters.size() - kRange);
 }
 
@@ -122,7 +143,7 @@ EffectKind unknown(PlaceKind place, EffectKind::AddDerivative add_derivative, Ef
   kind.place = place;
   kind.needs = {place == PlaceKind::kCameraLens ? Need::kCamera : Need::kJoints};
   kind.meaning = "structure that no listed effect explains";
-  kind.formula = "sum over j of c_j cos(pi j x), x = (driver - low) / (high - low) held within 0 .. 1";
+  kind.formula = "sum over j of c_j cos(pi j x), x = (driver - low) / (high - low) held within 0 .. 1; of several joints: sum over n of a_n cos(n.q) + b_n sin(n.q)";
   kind.add_derivative = add_derivative;
   kind.parameters_of = parameters_of;
   kind.moves_points = place == PlaceKind::kCameraLens;
@@ -141,6 +162,14 @@ double driverValue(const std::string& driver, const SampleContext& context) {
   const std::vector<std::string>& others = context.capture->other_columns;
   const auto column = static_cast<std::size_t>(std::find(others.begin(), others.end(), driver) - others.begin());
   return column < sample.other.size() ? sample.other[column] : kNaN;
+}
+
+bool hasDrivers(const std::string& drivers, const SampleContext& context) {
+  if (!std::isnan(driverValue(drivers, context))) return true;
+  std::istringstream words(drivers);
+  bool all = drivers.find(',') != std::string::npos;
+  for (std::string word; all && std::getline(words, word, ',');) all = !std::isnan(driverValue(word, context));
+  return all;
 }
 
 Eigen::RowVectorXd CurveRange::waves(double value, Eigen::Index count) const {
@@ -193,6 +222,16 @@ AppliedEffect makeCurve(const std::string& location, const std::string& driver, 
   if (!lens) {
     spec.parameters["low"] = range.low;
     spec.parameters["high"] = range.high;
+  }
+  return makeEffect(spec, cell);
+}
+
+AppliedEffect makeAngleWaves(const std::string& location, const std::vector<AngleWave>& waves, const Eigen::VectorXd& factors,
+                             const Cell& cell) {
+  EffectSpec spec{.effect = "unknown", .location = location, .parameters = {}, .driver = driversOf(waves)};
+  for (std::size_t k = 0; k < waves.size(); ++k) {
+    spec.parameters[cosineName(waves[k])] = factors(2 * static_cast<Eigen::Index>(k));
+    spec.parameters[sineName(waves[k])] = factors(2 * static_cast<Eigen::Index>(k) + 1);
   }
   return makeEffect(spec, cell);
 }

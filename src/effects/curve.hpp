@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "effects/angle_wave.hpp"
 #include "poecal/effects/catalogue.hpp"
 
 namespace poecal {
@@ -15,6 +16,9 @@ namespace poecal {
 /// Value of a driver in one sample: "q3" [rad, m], "tau2" [N m], "stamp" [s], "temperature" [degC], or a further column of the samples by
 /// its name; NaN where the sample does not have it.
 double driverValue(const std::string& driver, const SampleContext& context);
+
+/// Whether a sample has all that a curve follows: its driver, or each of "q1,q3".
+bool hasDrivers(const std::string& drivers, const SampleContext& context);
 
 /// A curve of a driver between two of its values: sum over j = 1 .. count of c_j cos(pi j x), x = (value - low) / (high - low), which stays
 /// as it is at the ends beyond them.
@@ -37,6 +41,11 @@ std::vector<std::pair<int, int>> pixelOrders(int orders);
 /// @throws InvalidArgument: no such place.
 AppliedEffect makeCurve(const std::string& location, const std::string& driver, const CurveRange& range, const Eigen::VectorXd& factors,
                         const Cell& cell);
+
+/// The effect `unknown` at a joint's reading as waves of several angles, sum of a cos(n.q) + b sin(n.q).
+/// @param waves  ascending, each once. @param factors  a, b of each [rad, m]. @throws InvalidArgument: no such joint.
+AppliedEffect makeAngleWaves(const std::string& location, const std::vector<AngleWave>& waves, const Eigen::VectorXd& factors,
+                             const Cell& cell);
 
 namespace kinds {
 

@@ -75,18 +75,6 @@ TEST(Diagnose, JointThatMovesAtRandomIsNoEffectOfItsPose) {
   EXPECT_NEAR(diagnosis.findings.front().parameters.at("sigma"), 3e-4, 0.36 * 3e-4);
 }
 
-/// Root mean square distance [px] of a model's corners from those observed at some poses.
-double rmsOf(const Model& model, const test::SmallCell& small, std::size_t first) {
-  const std::vector<Sample> samples(small.samples.begin() + static_cast<std::ptrdiff_t>(first), small.samples.end());
-  const auto disturbances = disturbancesOf(model.effects, model.cell, small.target, {0.0, 0.0, -9.80665}, samples);
-  double squares = 0.0, points = 0.0;
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    const auto px = disturbedCorners(model.cell, samples[k], small.target.points, disturbances[k]);
-    for (std::size_t j = 0; j < px.size(); ++j, ++points) squares += (*px[j] - small.observations[first + k].corners[j].px).squaredNorm();
-  }
-  return std::sqrt(squares / points);
-}
-
 TEST(Diagnose, CurveWithoutANameIsInTheModelAndServesPosesThatNobodySaw) {
   const EffectSpec bumps{.effect = "unknown",
                          .location = "joint:3",
@@ -106,8 +94,8 @@ TEST(Diagnose, CurveWithoutANameIsInTheModelAndServesPosesThatNobodySaw) {
   without.effects.clear();
   EXPECT_GT(diagnosis.shrinkage.value, 0.5);
   // The noise of a point is that of both its numbers.
-  const double noise = 2.0 * kSigma * kSigma, with = std::pow(rmsOf(diagnosis.model, whole, kSeen), 2);
-  EXPECT_LT(with - noise, 0.25 * (std::pow(rmsOf(without, whole, kSeen), 2) - noise));
+  const double noise = 2.0 * kSigma * kSigma, with = std::pow(whole.rmsOf(diagnosis.model, kSeen), 2);
+  EXPECT_LT(with - noise, 0.25 * (std::pow(whole.rmsOf(without, kSeen), 2) - noise));
 }
 
 // One pose of 240 falls between a slip and the middle of the two pictures that it lies between: of 60 other poses, in one capture of five

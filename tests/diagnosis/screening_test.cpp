@@ -17,15 +17,9 @@ struct Repeated {
 
 Repeated repeated(int pictures) {
   const test::SmallCell small = test::smallCell(7, pictures, 0.1, {});
-  Repeated made;
+  Repeated made{small.measured(), {}, {}};
   MeasuredCell& measured = made.measured;
-  measured.start = small.cell;
-  measured.start.arm = small.nominal;
-  measured.free = {.twists = true, .near = true, .far = true};
-  measured.observations = small.observations;
-  measured.samples = small.samples;
-  measured.target = small.target;
-  measured.twists = TwistPrior(small.nominal, 1e-3, 3e-3);
+  measured.groups.clear();
   for (std::size_t k = 0, shots = 3; k<measured.observations.size(); shots = shots> 1 ? shots - 1 : 3) {
     std::vector<std::size_t>& group = measured.groups.emplace_back();
     for (std::size_t shot = 0; shot < shots && k < measured.observations.size(); ++shot) group.push_back(k++);

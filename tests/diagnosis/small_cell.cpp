@@ -138,4 +138,36 @@ Diagnosis SmallCell::diagnosis() const {
   return diagnose(identify(stated, measured), measured);
 }
 
+MeasuredCell SmallCell::measured() const {
+  MeasuredCell made;
+  made.start = cell;
+  made.start.arm = nominal;
+  made.free = {.twists = true, .near = true, .far = true};
+  made.observations = observations;
+  made.samples = samples;
+  made.target = target;
+  made.twists = TwistPrior(nominal, 1e-3, 3e-3);
+  for (std::size_t k = 0; k < samples.size(); ++k) made.groups.push_back({k});
+  return made;
+}
+
+SmallCell SmallCell::head(std::size_t poses) const {
+  SmallCell some = *this;
+  some.samples.resize(poses);
+  some.observations.resize(poses);
+  return some;
+}
+
+double SmallCell::rmsOf(const Model& model, std::size_t first) const {
+  const std::vector<Sample> some(samples.begin() + static_cast<std::ptrdiff_t>(first), samples.end());
+  const auto disturbances = disturbancesOf(model.effects, model.cell, target, {0.0, 0.0, -9.80665}, some);
+  double squares = 0.0, points = 0.0;
+  for (std::size_t k = 0; k < some.size(); ++k) {
+    const Disturbance disturbance = model.effects.empty() ? Disturbance::zero(model.cell, target.points.size()) : disturbances[k];
+    const auto px = disturbedCorners(model.cell, some[k], target.points, disturbance);
+    for (std::size_t j = 0; j < px.size(); ++j, ++points) squares += (*px[j] - observations[first + k].corners[j].px).squaredNorm();
+  }
+  return std::sqrt(squares / points);
+}
+
 }  // namespace poecal::test

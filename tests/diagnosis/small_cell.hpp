@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/capture_rows.hpp"
 #include "poecal/diagnosis/diagnose.hpp"
 #include "support/random.hpp"
 
@@ -20,6 +21,12 @@ struct SmallCell {
   Measurements measurements() const;
   /// The diagnosis of what was observed, as the program makes it.
   Diagnosis diagnosis() const;
+  /// What was measured, each picture a pose of its own, and the nominal arm with its tolerances.
+  MeasuredCell measured() const;
+  /// Its first poses alone.
+  SmallCell head(std::size_t poses) const;
+  /// Root mean square distance [px] of a model's corners from those observed, from the pose `first` on.
+  double rmsOf(const Model& model, std::size_t first) const;
 };
 
 /// Six turning joints with masses before a fixed camera; axes off by 0.5 mm and 2 mrad, `poses` poses, corners with `sigma` [px] and what

@@ -115,5 +115,40 @@ TEST_F(CurveAt, PlacesAndDriversThatCannotBeAreErrors) {
             "unknown needs its parameter 'high'");
 }
 
+TEST(AngleWave, NamesReadBack) {
+  for (const AngleWave& wave : {AngleWave{{0, 3.0}, {2, 2.0}, {3, -1.0}}, AngleWave{{5, 1.0}}, AngleWave{{1, -25.128}, {6, 4.0}}}) {
+    const auto cosine = namedWave(cosineName(wave)), sine = namedWave(sineName(wave));
+    ASSERT_TRUE(cosine && sine) << cosineName(wave);
+    EXPECT_EQ(cosine->wave, wave);
+    EXPECT_EQ(sine->wave, wave);
+    EXPECT_FALSE(cosine->sine);
+    EXPECT_TRUE(sine->sine);
+  }
+  EXPECT_EQ(cosineName({{0, 3.0}, {2, 2.0}, {3, -1.0}}), "cos(3q1+2q3-q4)");
+  EXPECT_EQ(driversOf({{{3, 1.0}, {0, 2.0}}, {{2, -1.0}}}), "q1,q3,q4");
+  for (const char* none : {"c1", "low", "cos()", "cos(q0)", "cos(3q1", "cos(3q1+2q1)", "cos(3x1)", "sin(0q1)", "tan(q1)", "cos(q1+)"}) {
+    EXPECT_FALSE(namedWave(none)) << none;
+  }
+}
+
+TEST_F(CurveAt, AJointFollowsWavesOfSeveralAngles) {
+  const std::vector<AngleWave> waves{{{0, 3.0}, {2, 2.0}, {4, -4.0}}, {{1, 1.0}, {2, -1.0}}};
+  const Eigen::VectorXd factors = test::uniformVector(rng_, 4, 1e-3);
+  const AppliedEffect made = makeAngleWaves("joint:2", waves, factors, rich_.cell);
+  EXPECT_EQ(made.effect.driver(), "q1,q2,q3,q5");
+  const Eigen::VectorXd& q = context_.sample.q;
+  const double first = 3.0 * q(0) + 2.0 * q(2) - 4.0 * q(4), second = q(1) - q(2);
+  Eigen::VectorXd expected = Eigen::VectorXd::Zero(q.size());
+  expected(1) = factors(0) * std::cos(first) + factors(1) * std::sin(first) + factors(2) * std::cos(second) + factors(3) * std::sin(second);
+  EXPECT_THAT(disturbanceOf({made}, context_).joints, test::IsNear(expected, kRounding));
+  // As a file says it, it comes back.
+  const AppliedEffect again = makeEffect(made.effect.spec(made.parameters), rich_.cell);
+  EXPECT_EQ(again.parameters, made.parameters);
+  EXPECT_THAT(disturbancesOf({again}, rich_.cell, rich_.target, rich_.capture->gravity, rich_.samples)[1].joints,
+              test::IsNear(expected, kRounding));
+  EXPECT_TRUE(hasDrivers(made.effect.driver(), context_));
+  EXPECT_FALSE(hasDrivers("q1,q9", context_));
+}
+
 }  // namespace
 }  // namespace poecal
