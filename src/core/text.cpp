@@ -43,6 +43,10 @@ std::string lastReason() { return std::generic_category().message(errno); }
   throw FileError(file, 0, "cannot be read: " + reason);
 }
 
+[[noreturn]] void failAsTooLarge(const std::filesystem::path& file) {
+  throw FileError(file, 0, "is larger than 2 GiB, expected a smaller file");
+}
+
 [[noreturn]] void failToWrite(const std::filesystem::path& file, const std::filesystem::path& part, const std::string& reason) {
   ::unlink(part.c_str());
   throw FileError(file, 0, "cannot be written: " + reason);
@@ -88,8 +92,10 @@ std::string readTextFile(const std::filesystem::path& file) {
   if (descriptor.get() < 0) failToRead(file, lastReason());
   struct stat status {};
   if (::fstat(descriptor.get(), &status) != 0) failToRead(file, lastReason());
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size > kLargestFile) failAsTooLarge(file);
   // All at once: a picture would otherwise grow through a dozen buffers, each of fresh pages. One byte more tells the end of the file.
-  std::string content(std::min(static_cast<std::size_t>(status.st_size), kLargestFile) + 1, '\0');
+  std::string content(size + 1, '\0');
   std::size_t filled = 0;
   for (;;) {
     const ssize_t count = ::read(descriptor.get(), content.data() + filled, content.size() - filled);
@@ -97,7 +103,7 @@ std::string readTextFile(const std::filesystem::path& file) {
     if (count < 0) failToRead(file, lastReason());
     if (count == 0) break;
     filled += static_cast<std::size_t>(count);
-    if (filled > kLargestFile) throw FileError(file, 0, "is larger than 2 GiB, expected a smaller file");
+    if (filled > kLargestFile) failAsTooLarge(file);
     if (filled == content.size()) content.resize(2 * filled + 4096);  // of a file that has no size, or grew
   }
   content.resize(filled);

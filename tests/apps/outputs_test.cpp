@@ -78,8 +78,9 @@ TEST_F(Outputs, OfOneCommandMayTakeThePlaceOfThoseBefore) {
 TEST_F(Outputs, OnlyTakeThePlaceOfFiles) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   fs::create_symlink("nowhere", path("dangling"));
+  fs::create_symlink("/dev/null", path("device"));
   fs::create_directory(path("folder"));
-  for (const char* out : {"pipe", "dangling", "folder", "/dev/stdout", "/dev/null"}) {
+  for (const char* out : {"pipe", "dangling", "folder", "device"}) {
     const test::ProgramRun run = test::runProgram(folder_.path(), std::string("detect capture --out ") + out);
     EXPECT_EQ(run.status, 3) << out;
     EXPECT_THAT(run.err, HasSubstr("is there and no regular file, expected a new name or a file to replace")) << out;

@@ -29,7 +29,11 @@ class ImagesMeet : public ::testing::Test {
   std::vector<std::string> check(const std::vector<std::string>& rows, const std::vector<std::string>& pictures) const {
     SampleTable table;
     table.file = "capture/samples.csv";
-    for (const std::string& row : rows) table.samples.push_back({.image = row, .line = static_cast<int>(table.samples.size()) + 2});
+    for (const std::string& row : rows) {
+      Sample& sample = table.samples.emplace_back();
+      sample.image = row;
+      sample.line = static_cast<int>(table.samples.size()) + 1;
+    }
     Detections detections;
     for (const std::string& picture : pictures) detections.images.push_back({picture, {Corner{}}});
     return checkImagesMeet(table, detections, "capture/detections.csv");

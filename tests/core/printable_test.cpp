@@ -52,8 +52,8 @@ TEST(Printable, LongLinesLoseTheirMiddle) {
   const std::string line = printableLine("robot.yaml:3: '" + name + "' is not known, expected another", 100);
   EXPECT_THAT(line, SizeIs(Le(100u)));
   EXPECT_THAT(line, StartsWith("robot.yaml:3: 'nnn"));
-  EXPECT_THAT(line, EndsWith("nn' is not known, expected another"));
-  EXPECT_THAT(line, HasSubstr("n ... n"));
+  EXPECT_THAT(line, EndsWith(" is not known, expected another"));
+  EXPECT_THAT(line, HasSubstr("n ... "));
   EXPECT_THAT(printableLine(std::string(1000, '\x1b'), 100), SizeIs(Le(100u))) << "what counts is what is printed";
   std::string signs;
   for (int k = 0; k < 100; ++k) signs += "\u00e4";

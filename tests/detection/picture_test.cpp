@@ -80,8 +80,8 @@ TEST(Picture, TheHeaderStatesTheSize) {
     // Wherever it is cut there is the same size or none.
     for (std::size_t length = 0; length < whole.size(); ++length) {
       const std::optional<PictureSize> size = sizeInHeader(std::string_view(whole).substr(0, length));
-      if (size && extension != std::string(".pgm") && extension != std::string(".ppm"))
-        EXPECT_EQ(*size, (PictureSize{50, 40})) << extension << " " << length;
+      const bool numbers_may_be_cut = extension == std::string(".pgm") || extension == std::string(".ppm");
+      EXPECT_TRUE(!size || numbers_may_be_cut || *size == (PictureSize{50, 40})) << extension << " " << length;
     }
   }
   EXPECT_EQ(sizeInHeader("P5 # taken by hand\n# again\n 640\n480 255\n"), (PictureSize{640, 480}));
