@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "poecal/core/printable.hpp"
+
 namespace poecal::app {
 namespace {
 
