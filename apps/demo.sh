@@ -9,7 +9,8 @@ poecal=build/release/apps/poecal/poecal
 capture=build/demo/capture
 out=build/demo/out
 
-if [[ ! -e $capture-truth/truth.yaml ]]; then
+# Written last: a demo that was stopped while drawing begins anew.
+if [[ ! -e $capture/capture.yaml ]]; then
   rm -rf build/demo
   "$poecal" simulate calib_data/cobot6/scene.yaml --out "$capture"
 fi

@@ -1,6 +1,10 @@
 // poecal: a table of commands. Each parses, loads, calls one library function, writes and returns.
-#include <cstdio>
+#include <fcntl.h>
+
 #include <exception>
+#include <filesystem>
+#include <new>
+#include <sstream>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +12,7 @@
 
 #include "commands.hpp"
 #include "poecal/core/error.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 
@@ -54,10 +59,12 @@ int runProgram(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
-    return app.exit(success);
+    std::ostringstream text;
+    const int status = app.exit(success, text, text);
+    printOut(text.str());
+    return status;
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "poecal: error: {} (--help shows the options)\n", error.what());
-    return 2;
+    throw InvalidArgument(std::string(error.what()) + " (--help shows the options)");
   }
   for (const auto& [sub, run] : commands) {
     if (sub->parsed()) return run();
@@ -65,17 +72,39 @@ int runProgram(int argc, char** argv) {
   throw InvalidArgument("a command is missing (--help lists them)");
 }
 
+/// A standard stream that is closed leaves its number to the next file that is opened, which would then take what is printed. What is put
+/// there instead refuses to be written, as a closed stream does.
+void holdStandardStreams() {
+  for (int stream = 0; stream <= 2; ++stream) {
+    if (::fcntl(stream, F_GETFD) == -1) static_cast<void>(::open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY));
+  }
+}
+
+/// The exit status of the program, after the one line that says why.
+int runGuarded(int argc, char** argv) {
+  try {
+    return runProgram(argc, argv);
+  } catch (const Error& error) {
+    printError("error", error.what());
+    return error.exitStatus();
+  } catch (const std::bad_alloc&) {
+    const OutOfMemory error("for this");
+    printError("error", error.what());
+    return error.exitStatus();
+  } catch (const std::filesystem::filesystem_error& problem) {
+    const FileError error(problem.path1(), 0, "cannot be read: " + problem.code().message());
+    printError("error", error.what());
+    return error.exitStatus();
+  } catch (const std::exception& error) {
+    printError("error", std::string("internal: ") + error.what());
+    return 1;
+  }
+}
+
 }  // namespace
 }  // namespace poecal::app
 
 int main(int argc, char** argv) {
-  try {
-    return poecal::app::runProgram(argc, argv);
-  } catch (const poecal::Error& error) {
-    fmt::print(stderr, "poecal: error: {}\n", error.what());
-    return error.exitStatus();
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "poecal: error: internal: {}\n", error.what());
-    return 1;
-  }
+  poecal::app::holdStandardStreams();
+  return poecal::app::runGuarded(argc, argv);
 }

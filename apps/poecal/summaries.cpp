@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "poecal/core/printable.hpp"
+
 namespace poecal::app {
 namespace {
 
@@ -82,7 +84,7 @@ std::string registrationSummaryJson(const CalibrationRun& run) {
 
 std::string identificationText(const CalibrationRun& run) {
   const Identification& identification = *run.calibration.identification;
-  std::string text = fmt::format("identified {} by {} from {} poses\n", identification.model.cell.arm->name,
+  std::string text = fmt::format("identified {} by {} from {} poses\n", printableLine(identification.model.cell.arm->name),
                                  methodName(identification.method), identification.poses);
   if (!identification.stages.empty()) text += stagesText(identification);
   if (identification.model.cell.camera && identification.method == Method::kBundle) {

@@ -3,20 +3,29 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "poecal/core/error.hpp"
+#include "poecal/core/printable.hpp"
+
 namespace poecal::app {
 
-void printSummary(const Common& common, const std::string& text, const nlohmann::json& json) { printReport(common, text, json.dump(2)); }
+void printSummary(const Common& common, const std::string& text, const nlohmann::json& json) {
+  printReport(common, text, json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
+}
 
 void printReport(const Common& common, const std::string& text, const std::string& json) {
   if (common.json) {
-    fmt::print("{}{}", json, json.ends_with('\n') ? "" : "\n");
+    // Names in it may hold what a terminal obeys, and JSON can say all of it in plain letters.
+    const nlohmann::ordered_json parsed = nlohmann::ordered_json::parse(json);
+    printOut(parsed.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   } else if (!common.quiet) {
-    fmt::print("{}", text);
+    printOut(printableText(text));
   }
 }
 
@@ -29,7 +38,18 @@ std::string jsonObject(const std::vector<std::pair<std::string, std::string>>& p
   return text + "\n}\n";
 }
 
-void warn(const std::string& message) { fmt::print(stderr, "poecal: warning: {}\n", message); }
+void printOut(const std::string& text) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
+  throw FileError("stdout", 0, "cannot be written: " + std::generic_category().message(errno));
+}
+
+void printError(const char* kind, std::string_view message) {
+  const std::string line = fmt::format("poecal: {}: {}\n", kind, printableLine(message));
+  std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+void warn(const std::string& message) { printError("warning", message); }
 
 TerminalListener::TerminalListener(const Common& common) : progress_shown_(!common.quiet && ::isatty(STDERR_FILENO) == 1) {}
 
@@ -43,11 +63,8 @@ void TerminalListener::warnings(const std::vector<std::string>& messages) {
 
 void TerminalListener::progress(const std::string& label, std::size_t done, std::size_t total) {
   if (!progress_shown_) return;
-  if (done == total) {
-    fmt::print(stderr, "\r\033[K");
-  } else {
-    fmt::print(stderr, "\r{} {}/{}", label, done, total);
-  }
+  const std::string line = done == total ? "\r\033[K" : fmt::format("\r{} {}/{}", label, done, total);
+  std::fwrite(line.data(), 1, line.size(), stderr);
   std::fflush(stderr);
 }
 

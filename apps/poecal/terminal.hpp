@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,10 @@ void printReport(const Common& common, const std::string& text, const std::strin
 /// A JSON object of parts that are JSON already, in their order.
 std::string jsonObject(const std::vector<std::pair<std::string, std::string>>& parts);
 
+/// Text on stdout. @throws FileError where stdout does not take all of it.
+void printOut(const std::string& text);
+/// `poecal: KIND: MESSAGE` on stderr, as printableLine() has it; where stderr takes nothing there is nobody to tell.
+void printError(const char* kind, std::string_view message);
 /// `poecal: warning: MESSAGE` on stderr.
 void warn(const std::string& message);
 

@@ -4,6 +4,8 @@
 
 #include "calibration/kept_result.hpp"
 #include "poecal/calibration/board_folder.hpp"
+#include "poecal/calibration/outputs.hpp"
+#include "poecal/capture/image_names.hpp"
 #include "poecal/core/content_key.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
@@ -19,7 +21,7 @@ Camera cameraOf(const Capture& capture, const std::filesystem::path& out, int jo
   ContentKey key;
   key.add(detectionKey(readTarget(capture.intrinsics_folder / "target.yaml"), {}));
   for (const std::string& picture : listPictures(capture.intrinsics_folder)) key.addFile(capture.intrinsics_folder / picture);
-  const KeptResult kept(out, "intrinsics", {file}, key);
+  const KeptResult kept(out, "intrinsics", {file, residualsFile(file)}, key);
   if (kept.upToDate()) return readCamera(file);
   const IntrinsicsResult result = calibrateBoardFolder(capture.intrinsics_folder, {}, jobs, file, listener);
   kept.markDone();
@@ -28,12 +30,17 @@ Camera cameraOf(const Capture& capture, const std::filesystem::path& out, int jo
 
 /// Leaves a file of this content alone: its time tells others that nothing is new.
 void writeWhereNew(const std::filesystem::path& file, const std::string& content) {
-  if (!std::filesystem::exists(file) || readTextFile(file) != content) writeTextFile(file, content);
+  std::error_code status;
+  if (!std::filesystem::exists(file, status) || readTextFile(file) != content) writeTextFile(file, content);
 }
 
 Detections detectionsOf(const Capture& capture, const Camera& camera, const std::filesystem::path& out, int jobs, Listener& listener) {
   const Target* reference = capture.reference ? &*capture.reference : nullptr;
-  if (!capture.detections_file.empty()) return readDetections(capture.detections_file, capture.target, reference);
+  if (!capture.detections_file.empty()) {
+    Detections detections = readDetections(capture.detections_file, capture.target, reference, PictureSize{camera.width, camera.height});
+    listener.warnings(checkImagesMeet(capture.table, detections, capture.detections_file));
+    return detections;
+  }
   DetectOptions options;
   options.jobs = jobs;
   options.progress = listener.progressFunction();
@@ -73,11 +80,32 @@ Capture openCapture(const CaptureSource& source) {
 
 std::filesystem::path knownCornersFile(const std::filesystem::path& folder) { return folder / ".stages" / "corners"; }
 
+std::vector<std::filesystem::path> resultsOf(const Capture& capture, const std::filesystem::path& out) {
+  std::vector<std::filesystem::path> results;
+  for (const char* name : {"registration.yaml", "flange_poses.csv", "model.yaml", "identification.json", "diagnosis.json"}) {
+    results.push_back(out / name);
+  }
+  if (!capture.camera) {
+    results.push_back(out / "camera.yaml");
+    results.push_back(residualsFile(results.back()));
+  }
+  if (capture.detections_file.empty()) {
+    results.push_back(out / "detections.csv");
+    results.push_back(picturesFile(results.back()));
+  }
+  return results;
+}
+
 LoadedCapture loadCapture(const CaptureSource& source, const std::filesystem::path& out, int jobs, Listener& listener) {
   LoadedCapture loaded;
   loaded.capture = openCapture(source);
   if (loaded.capture.camera) listener.warnings(loaded.capture.camera->remarks);
   const Capture& capture = loaded.capture;
+  std::vector<std::filesystem::path> files = filesOf(capture, true);
+  if (!source.intrinsics.empty()) files.push_back(source.intrinsics);
+  const std::vector<std::filesystem::path> results = resultsOf(capture, out);
+  requireOutputs(results, files);
+  loaded.record = std::make_shared<const ResultRecord>(out, results, listener);
   loaded.nominal.camera = cameraOf(capture, out, jobs, listener);
   if (capture.table.has_joints) loaded.nominal.arm = capture.arm;
   loaded.nominal.registration.setup = capture.setup;

@@ -16,7 +16,8 @@ namespace {
 
 /// A result file of a folder, where it is there. JSON is YAML.
 std::optional<YamlNode> readResult(const std::filesystem::path& file, const char* format) {
-  if (!std::filesystem::exists(file)) return std::nullopt;
+  std::error_code status;
+  if (!std::filesystem::exists(file, status)) return std::nullopt;
   YamlNode root = YamlNode::load(file);
   root.checkFormat(format);
   return root;
@@ -123,7 +124,9 @@ const StageErrors* ResultSummary::stage(const std::string& name_of_stage) const 
 }
 
 ResultSummary readResults(const std::filesystem::path& folder) {
-  if (!std::filesystem::is_directory(folder)) throw FileError(folder, 0, "no such folder, expected one with the results of a capture");
+  std::error_code status;
+  if (!std::filesystem::is_directory(folder, status))
+    throw FileError(folder, 0, "no such folder, expected one with the results of a capture");
   ResultSummary summary;
   summary.folder = folder;
   summary.name = std::filesystem::weakly_canonical(folder).filename().string();

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "calibration/identified_folder.hpp"
+#include "calibration/kept_result.hpp"
+#include "poecal/calibration/outputs.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/robot/robot_file.hpp"
 
@@ -52,6 +54,9 @@ CalibrationRun runCapture(const CaptureSource& source, const std::filesystem::pa
 
 CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& out, const CalibrateOptions& options,
                         const ResultFiles& files, Listener& listener) {
+  const std::vector<std::filesystem::path> results{out / "model.yaml", out / "identification.json", out / "diagnosis.json"};
+  requireOutputs(results, {source.robot, source.poses});
+  const ResultRecord record(out, results, listener);
   Cell nominal;
   nominal.arm = readArm(source.robot, source.base_link, source.tip_link);
   CalibrationRun run;

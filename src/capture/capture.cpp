@@ -9,12 +9,15 @@
 namespace poecal {
 namespace {
 
+/// The file that a key names, noted down as one of the capture's.
+std::filesystem::path fileOf(const YamlNode& node, Capture& capture) { return capture.files.emplace_back(namedFile(node)); }
+
 void readLens(const YamlNode& root, Capture& capture) {
   const auto camera = root.find("camera");
   const auto intrinsics = root.find("intrinsics");
   if (camera && intrinsics) intrinsics->fail("stands beside camera, expected one of them");
   if (!camera && !intrinsics) root.fail("key 'camera' is missing, expected it, or 'intrinsics' with the folder to find it from");
-  if (camera) capture.camera = readCameraOfPictures(namedFile(*camera));
+  if (camera) capture.camera = readCameraOfPictures(fileOf(*camera, capture));
   if (intrinsics) capture.intrinsics_folder = namedFolder(*intrinsics);
 }
 
@@ -38,24 +41,26 @@ Capture readCapture(const std::filesystem::path& folder) {
                   "reference", "gravity"});
   Capture capture;
   capture.folder = folder;
+  capture.files.push_back(root.file());
   capture.name = root["name"].text();
   capture.setup = readSetup(root["setup"]);
   if (auto robot = readNamedRobot(root)) {
     capture.arm = std::move(robot->arm);
     capture.robot_file = robot->file;
+    capture.files.push_back(robot->file);
     capture.base_link = robot->base_link;
     capture.tip_link = robot->tip_link;
   }
   readLens(root, capture);
-  capture.target = readTarget(namedFile(root["target"]));
+  capture.target = readTarget(fileOf(root["target"], capture));
   if (const auto reference = root.find("reference")) {
-    capture.reference = readTarget(namedFile(*reference));
+    capture.reference = readTarget(fileOf(*reference, capture));
     checkReference(*reference, capture.target, *capture.reference);
   }
   if (const auto detections = root.find("detections")) capture.detections_file = namedFile(*detections);
   if (const auto gravity = root.find("gravity")) capture.gravity = gravity->vector3();
   capture.table =
-      readSamples(namedFile(root["samples"]), capture.arm ? capture.arm->jointCount() : 0, capture.arm ? &*capture.arm : nullptr);
+      readSamples(fileOf(root["samples"], capture), capture.arm ? capture.arm->jointCount() : 0, capture.arm ? &*capture.arm : nullptr);
   if (capture.table.has_joints && !capture.arm) {
     root.fail(fmt::format("key 'robot' is missing, expected the arm whose joints {} gives", capture.table.file.filename().string()));
   }

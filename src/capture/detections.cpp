@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "poecal/capture/image_names.hpp"
 #include "poecal/core/csv.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
 
 namespace poecal {
 namespace {
@@ -31,6 +33,35 @@ std::string describePoints(const Target& target) {
                      points ? "corner 0" : "corners 0 to 3");
 }
 
+/// The least and the largest coordinate that a corner in a picture of that width (or height) may have.
+std::pair<double, double> rangeOf(int side) {
+  constexpr double kSlack = 0.01;  // of the side: a fitted corner may lie a little beyond the border
+  return {-0.5 - kSlack * side, side - 0.5 + kSlack * side};
+}
+
+/// Coordinate u or v of a corner.
+double coordinateOf(const CsvTable& csv, std::size_t row, std::size_t column, int side) {
+  constexpr double kLargest = 1e6;  // [px] of any picture
+  const double value = csv.number(row, column);
+  const auto [lower, upper] = side > 0 ? rangeOf(side) : std::pair(-kLargest, kLargest);
+  if (value >= lower && value <= upper) return value;
+  const std::string expected = side > 0 ? fmt::format("-0.5 to {} (a picture of {} px)", side - 0.5, side) : "a place in a picture";
+  throw FileError(csv.file(), csv.line(row), fmt::format("{} is {}, expected {}", csv.header()[column], formatNumber(value), expected));
+}
+
+/// A number of a tag or a corner; what no int holds is the largest one, which no target has.
+int idOf(const CsvTable& csv, std::size_t row, std::size_t column) {
+  constexpr long kLargest = std::numeric_limits<int>::max();
+  return static_cast<int>(std::clamp(csv.integer(row, column), -kLargest, kLargest));
+}
+
+double sigmaOf(const CsvTable& csv, std::size_t row, std::size_t column) {
+  constexpr double kSmallest = 1e-12, kLargest = 1e6;  // [px]; beyond these weights are no numbers
+  const double sigma = csv.number(row, column);
+  if (sigma >= kSmallest && sigma <= kLargest) return sigma;
+  throw FileError(csv.file(), csv.line(row), fmt::format("sigma is {}, expected a positive number of pixels", formatNumber(sigma)));
+}
+
 }  // namespace
 
 const ImageCorners* Detections::find(const std::string& image) const {
@@ -38,7 +69,8 @@ const ImageCorners* Detections::find(const std::string& image) const {
   return found != images.end() ? &*found : nullptr;
 }
 
-Detections readDetections(const std::filesystem::path& file, const Target& target, const Target* also_in_view) {
+Detections readDetections(const std::filesystem::path& file, const Target& target, const Target* also_in_view,
+                          const std::optional<PictureSize>& size) {
   const CsvTable csv = CsvTable::read(file);
   const std::size_t image = csv.column("image"), tag = csv.column("tag"), corner = csv.column("corner");
   const std::size_t u = csv.column("u"), v = csv.column("v");
@@ -48,15 +80,12 @@ Detections readDetections(const std::filesystem::path& file, const Target& targe
   std::map<std::pair<std::string, PointId>, int> line_of_corner;
   for (std::size_t row = 0; row < csv.rowCount(); ++row) {
     const int line = csv.line(row);
-    const std::string& name = csv.text(row, image);
+    const std::string name = imageName(csv.text(row, image));
     if (name.empty()) throw FileError(file, line, "the image is empty, expected its path");
     Corner entry;
-    entry.id = {static_cast<int>(csv.integer(row, tag)), static_cast<int>(csv.integer(row, corner))};
-    entry.px = {csv.number(row, u), csv.number(row, v)};
-    if (sigma && !csv.text(row, *sigma).empty()) {
-      entry.sigma = csv.number(row, *sigma);
-      if (!(entry.sigma > 0.0)) throw FileError(file, line, fmt::format("sigma is {}, expected a positive number of pixels", entry.sigma));
-    }
+    entry.id = {idOf(csv, row, tag), idOf(csv, row, corner)};
+    entry.px = {coordinateOf(csv, row, u, size ? size->width : 0), coordinateOf(csv, row, v, size ? size->height : 0)};
+    if (sigma && !csv.text(row, *sigma).empty()) entry.sigma = sigmaOf(csv, row, *sigma);
     const auto [earlier, fresh] = line_of_corner.emplace(std::pair(name, entry.id), line);
     if (!fresh) {
       throw FileError(

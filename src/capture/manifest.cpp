@@ -6,22 +6,25 @@
 
 namespace poecal {
 
-std::filesystem::path namedFile(const YamlNode& node) {
-  const std::filesystem::path file = node.file().parent_path() / node.text();
-  if (!std::filesystem::is_regular_file(file)) {
-    node.fail(fmt::format("'{}' is not there, expected a file named from the folder of {}", node.text(), node.file().filename().string()));
-  }
-  return file;
+namespace {
+
+/// The path of a key. @throws FileError where nothing of that type is there, or where the system will not say.
+std::filesystem::path named(const YamlNode& node, std::filesystem::file_type type, const char* what) {
+  const std::filesystem::path path = node.file().parent_path() / node.text();
+  std::error_code error;
+  const std::filesystem::file_type found = std::filesystem::status(path, error).type();
+  if (found == type) return path;
+  if (found == std::filesystem::file_type::none) node.fail(fmt::format("'{}' cannot be read: {}", node.text(), error.message()));
+  node.fail(fmt::format("'{}' is {}, expected a {} named from the folder of {}", node.text(),
+                        found == std::filesystem::file_type::not_found ? "not there" : fmt::format("no {}", what), what,
+                        node.file().filename().string()));
 }
 
-std::filesystem::path namedFolder(const YamlNode& node) {
-  const std::filesystem::path folder = node.file().parent_path() / node.text();
-  if (!std::filesystem::is_directory(folder)) {
-    node.fail(
-        fmt::format("'{}' is not there, expected a folder named from the folder of {}", node.text(), node.file().filename().string()));
-  }
-  return folder;
-}
+}  // namespace
+
+std::filesystem::path namedFile(const YamlNode& node) { return named(node, std::filesystem::file_type::regular, "file"); }
+
+std::filesystem::path namedFolder(const YamlNode& node) { return named(node, std::filesystem::file_type::directory, "folder"); }
 
 Setup readSetup(const YamlNode& node) {
   for (const Setup setup : {Setup::kEyeToHand, Setup::kEyeInHand}) {
@@ -32,13 +35,15 @@ Setup readSetup(const YamlNode& node) {
 
 std::optional<NamedRobot> readNamedRobot(const YamlNode& root) {
   const auto robot = root.find("robot");
-  const bool urdf = robot && std::filesystem::path(robot->text()).extension() == ".urdf";
+  NamedRobot named;
+  if (robot) named.file = namedFile(*robot);
+  const bool urdf = robot && isUrdf(named.file);
   for (const char* key : {"base_link", "tip_link"}) {
     if (!urdf && root.has(key)) root[key].fail("only a robot that is a URDF has links to name");
+    // What is wrong with the file comes first: whoever names a xacro has no use for links yet.
+    if (urdf && !root.has(key)) urdfEnds(named.file);
   }
   if (!robot) return std::nullopt;
-  NamedRobot named;
-  named.file = namedFile(*robot);
   if (!urdf) {
     named.arm = readRobotYaml(named.file);
     return named;

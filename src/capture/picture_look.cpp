@@ -41,16 +41,18 @@ std::vector<PictureLook> readPictureLooks(const std::filesystem::path& file) {
   const CsvTable csv = CsvTable::read(file);
   const std::size_t blur = csv.column("blur"), noise = csv.column("noise");
   const std::optional<std::size_t> growth = csv.findColumn("growth");
-  const auto notNegative = [&csv](std::size_t row, std::size_t column) {
+  const auto notNegative = [&csv](std::size_t row, std::size_t column, double largest) {
     const double value = csv.number(row, column);
-    if (value < 0.0) {
-      throw FileError(csv.file(), csv.line(row), fmt::format("{} is {}, expected 0 or more", csv.header()[column], formatNumber(value)));
+    if (value < 0.0 || value > largest) {
+      throw FileError(csv.file(), csv.line(row),
+                      fmt::format("{} is {}, expected 0 to {}", csv.header()[column], formatNumber(value), formatNumber(largest)));
     }
     return value;
   };
   std::vector<PictureLook> looks;
   for (std::size_t row = 0; row < csv.rowCount(); ++row) {
-    looks.push_back({notNegative(row, blur), notNegative(row, noise), growth ? csv.number(row, *growth) : 0.0});
+    looks.push_back(
+        {notNegative(row, blur, kLargestBlur), notNegative(row, noise, kLargestNoise), growth ? csv.number(row, *growth) : 0.0});
   }
   if (looks.empty()) throw FileError(file, 1, "has no rows, expected blur and noise of at least one picture");
   return looks;

@@ -13,7 +13,10 @@ std::optional<double> readSigma(const CsvTable& csv, std::size_t row, const char
   const auto column = csv.findColumn(name);
   if (!column || csv.text(row, *column).empty()) return std::nullopt;
   const double sigma = csv.number(row, *column);
-  if (!(sigma > 0.0)) throw FileError(csv.file(), csv.line(row), fmt::format("{} is {}, expected a positive number", name, sigma));
+  constexpr double kSmallest = 1e-12, kLargest = 1e6;  // beyond these weights are no numbers
+  if (!(sigma >= kSmallest && sigma <= kLargest)) {
+    throw FileError(csv.file(), csv.line(row), fmt::format("{} is {}, expected a positive number", name, sigma));
+  }
   return sigma;
 }
 

@@ -8,6 +8,7 @@
 #include "capture/output_columns.hpp"
 #include "capture/sample_columns.hpp"
 #include "poecal/capture/capture.hpp"
+#include "poecal/capture/image_names.hpp"
 #include "poecal/core/csv.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/geometry/se3.hpp"
@@ -46,7 +47,7 @@ SampleTable readSamples(const std::filesystem::path& file, int joint_count, cons
   std::map<std::string, int> line_of_image;
   for (std::size_t row = 0; row < csv.rowCount(); ++row) {
     Sample sample = columns.read(row);
-    sample.image = csv.text(row, image);
+    sample.image = imageName(csv.text(row, image));
     if (sample.image.empty()) throw FileError(file, sample.line, "the image is empty, expected its path");
     const auto [earlier, fresh] = line_of_image.emplace(sample.image, sample.line);
     if (!fresh) {
@@ -99,7 +100,7 @@ std::vector<Sample> readJoints(const std::filesystem::path& file, const Arm& arm
   std::vector<Sample> samples;
   for (std::size_t row = 0; row < csv.rowCount(); ++row) {
     samples.push_back(columns.read(row));
-    if (image) samples.back().image = csv.text(row, *image);
+    if (image) samples.back().image = imageName(csv.text(row, *image));
   }
   checkReadings(file, samples, arm);
   return samples;

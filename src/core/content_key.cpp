@@ -8,7 +8,17 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "core/build_key.hpp"
+
 namespace poecal {
+
+namespace {
+
+std::string digits(const XXH128_hash_t& hash) { return fmt::format("{:016x}{:016x}", hash.high64, hash.low64); }
+
+}  // namespace
+
+std::string checksum(std::string_view bytes) { return digits(XXH3_128bits(bytes.data(), bytes.size())); }
 
 struct ContentKey::State {
   XXH3_state_t hash;
@@ -18,7 +28,7 @@ struct ContentKey::State {
 
 ContentKey::ContentKey() : state_(std::make_unique<State>()) {
   XXH3_128bits_reset(&state_->hash);
-  add(POECAL_VERSION);
+  add(POECAL_VERSION).add(buildKey());
 }
 
 ContentKey::~ContentKey() = default;
@@ -43,9 +53,6 @@ ContentKey& ContentKey::addFile(const std::filesystem::path& file) {
   return *this;
 }
 
-std::string ContentKey::text() const {
-  const XXH128_hash_t hash = XXH3_128bits_digest(&state_->hash);
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
+std::string ContentKey::text() const { return digits(XXH3_128bits_digest(&state_->hash)); }
 
 }  // namespace poecal

@@ -46,7 +46,7 @@ std::optional<Value> parse(const std::string& text) {
 CsvTable CsvTable::read(const std::filesystem::path& file) {
   CsvTable table;
   table.file_ = file;
-  std::istringstream stream(readTextFile(file));
+  std::istringstream stream(readUtf8File(file));
   std::string text;
   for (int line = 1; std::getline(stream, text); ++line) {
     boost::trim(text);
@@ -85,7 +85,7 @@ std::size_t CsvTable::column(const std::string& name) const {
 
 std::optional<double> CsvTable::findNumber(std::size_t row, std::size_t column) const {
   const std::optional<double> value = parse<double>(text(row, column));
-  return value && std::isfinite(*value) ? value : std::nullopt;
+  return value && std::abs(*value) <= kLargestNumber ? value : std::nullopt;
 }
 
 double CsvTable::number(std::size_t row, std::size_t column) const {

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
+#include <sstream>
+
+#include <yaml-cpp/eventhandler.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,13 +15,66 @@
 #include "poecal/core/text.hpp"
 
 namespace poecal {
+namespace {
+
+/// Listens to a document being read for keys that a map has twice: readers of YAML differ on which of the two they take.
+class RepeatedKeys : public YAML::EventHandler {
+ public:
+  explicit RepeatedKeys(const std::filesystem::path& file) : file_(file) {}
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override { endNode(); }
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override { endNode(); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string& text) override {
+    if (!open_.empty() && open_.back().key_next && !open_.back().keys.insert(text).second) {
+      throw FileError(file_, mark.line + 1, fmt::format("key '{}' is there twice, expected it once", text));
+    }
+    endNode();
+  }
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    open_.push_back({.is_map = false, .key_next = false, .keys = {}});
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    open_.push_back({.is_map = true, .key_next = true, .keys = {}});
+  }
+  void OnMapEnd() override { close(); }
+
+ private:
+  struct Collection {
+    bool is_map, key_next;
+    std::set<std::string> keys;
+  };
+  void close() {
+    open_.pop_back();
+    endNode();
+  }
+  void endNode() {
+    if (!open_.empty() && open_.back().is_map) open_.back().key_next = !open_.back().key_next;
+  }
+
+  const std::filesystem::path& file_;
+  std::vector<Collection> open_;
+};
+
+void requireSingleKeys(const std::filesystem::path& file, const std::string& content) {
+  std::istringstream stream(content);
+  YAML::Parser parser(stream);
+  RepeatedKeys keys(file);
+  parser.HandleNextDocument(keys);
+}
+
+}  // namespace
 
 YamlNode::YamlNode(std::shared_ptr<const std::filesystem::path> file, YAML::Node node, std::string name)
     : file_(std::move(file)), node_(std::move(node)), name_(std::move(name)) {}
 
 YamlNode YamlNode::load(const std::filesystem::path& file) {
-  const std::string content = readTextFile(file);
+  const std::string content = readUtf8File(file);
+  if (looksLikeXml(content)) throw FileError(file, 1, "begins as XML does, expected YAML");
   try {
+    requireSingleKeys(file, content);
     YamlNode root(std::make_shared<const std::filesystem::path>(file), YAML::Load(content), "");
     if (!root.isMap()) throw FileError(file, 1, "expected a YAML map of keys and values");
     return root;
@@ -79,7 +136,7 @@ std::vector<YamlNode> YamlNode::items() const {
 double YamlNode::number() const {
   double value = 0.0;
   if (!node_.IsScalar() || !YAML::convert<double>::decode(node_, value)) fail("expected a number");
-  if (!std::isfinite(value)) fail("expected a finite number");
+  if (!(std::abs(value) <= kLargestNumber)) fail("expected a finite number");
   return value;
 }
 

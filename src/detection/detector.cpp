@@ -3,14 +3,19 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <mutex>
+#include <new>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
 #include "detection/corner_finder.hpp"
 #include "detection/family_hint.hpp"
 #include "detection/picture.hpp"
+#include "detection/picture_header.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/parallel.hpp"
 #include "poecal/core/progress.hpp"
@@ -77,13 +82,17 @@ bool isReadable(const PictureFinding& finding) { return finding.width > 0; }
 PictureFinding search(const PictureFile& file, FinderPool& finders) {
   const Picture picture = decodePicture(file);
   if (picture.grey.empty()) return unreadable(picture.problem);
-  FoundCorners found = finders.find(picture.grey);
-  return {std::move(found.corners), std::move(found.notes), picture.grey.cols, picture.grey.rows, found.look};
+  try {
+    FoundCorners found = finders.find(picture.grey);
+    return {std::move(found.corners), std::move(found.notes), picture.grey.cols, picture.grey.rows, found.look};
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
+    return unreadable("cannot be searched: " + error.err);
+  }
 }
 
 /// search(), where it was not done before.
 PictureFinding searchOnce(const PictureFile& file, FinderPool& finders, const std::string& detection_key, KnownCorners& known) {
-  if (file.bytes.empty()) return unreadable(file.problem);
   const std::string key = pictureKey(detection_key, file.bytes);
   if (std::optional<PictureFinding> before = known.find(key)) return *std::move(before);
   PictureFinding finding = search(file, finders);
@@ -92,13 +101,30 @@ PictureFinding searchOnce(const PictureFile& file, FinderPool& finders, const st
   return finding;
 }
 
-/// The size that all pictures must have: what is expected, or that of the first one that could be read.
-cv::Size commonSize(const std::vector<PictureFinding>& findings, const DetectOptions& options) {
+/// A picture whose header states another size than `size` is not decoded: that takes memory and time, and nothing comes of it.
+PictureFinding searchOfSize(const PictureFile& file, const PictureSize& size, const std::function<PictureFinding()>& whole_search) {
+  if (file.bytes.empty()) return unreadable(file.problem);
+  const std::optional<PictureSize> stated = sizeInHeader(file.bytes);
+  if (stated && *stated != size) return {{}, {}, stated->width, stated->height};
+  return whole_search();
+}
+
+/// The size that all pictures must have: what is expected, or that which most of their headers state, the first of these where several do.
+PictureSize commonSize(const std::filesystem::path& folder, const std::vector<std::string>& images, const DetectOptions& options) {
   if (options.expected_width > 0 && options.expected_height > 0) return {options.expected_width, options.expected_height};
-  for (const PictureFinding& finding : findings) {
-    if (isReadable(finding)) return {finding.width, finding.height};
+  std::vector<std::pair<PictureSize, int>> sizes;
+  for (const std::string& image : images) {
+    const std::optional<PictureSize> size = sizeInHeader(readPictureFile(folder / image).bytes);
+    if (!size) continue;
+    const auto known = std::find_if(sizes.begin(), sizes.end(), [&](const auto& entry) { return entry.first == *size; });
+    if (known == sizes.end()) {
+      sizes.emplace_back(*size, 1);
+    } else {
+      ++known->second;
+    }
   }
-  return {};
+  const auto most = std::max_element(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == sizes.end() ? PictureSize{} : most->first;
 }
 
 }  // namespace
@@ -126,14 +152,21 @@ DetectResult detect(const std::filesystem::path& folder, const std::vector<std::
   FinderPool finders(target, options);
   const std::string key = known != nullptr ? detectionKey(target, options) : "";
   std::vector<PictureFinding> findings(images.size());
+  PictureSize size = commonSize(folder, images, options);
   Progress progress(options.progress, "detecting", images.size());
   parallelFor(images.size(), options.jobs, [&](std::size_t k) {
-    const PictureFile file = readPictureFile(folder / images[k]);
-    findings[k] = known != nullptr ? searchOnce(file, finders, key, *known) : search(file, finders);
+    try {
+      const PictureFile file = readPictureFile(folder / images[k]);
+      findings[k] =
+          searchOfSize(file, size, [&] { return known != nullptr ? searchOnce(file, finders, key, *known) : search(file, finders); });
+    } catch (const std::bad_alloc&) {
+      throw OutOfMemory("to search " + images[k]);
+    }
     progress.advance();
   });
 
-  const cv::Size size = commonSize(findings, options);
+  const bool any_size = options.expected_width > 0 || std::any_of(findings.begin(), findings.end(), isReadable);
+  if (!any_size) size = {};
   DetectResult result;
   result.width = size.width;
   result.height = size.height;
@@ -141,7 +174,7 @@ DetectResult detect(const std::filesystem::path& folder, const std::vector<std::
   bool any_corners = false;
   for (std::size_t k = 0; k < images.size(); ++k) {
     PictureFinding& finding = findings[k];
-    if (isReadable(finding) && cv::Size(finding.width, finding.height) != size) {
+    if (isReadable(finding) && PictureSize{finding.width, finding.height} != size) {
       finding = {{}, {fmt::format("is {} x {} pixels, expected {} x {}", finding.width, finding.height, size.width, size.height)}};
     } else if (isReadable(finding)) {
       readable.push_back(images[k]);
@@ -169,12 +202,13 @@ std::vector<std::string> knownFamilies() {
 
 std::vector<std::string> listPictures(const std::filesystem::path& folder) {
   static const std::set<std::string> kExtensions{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"};
-  std::error_code status;
+  std::error_code status, unknown;
   std::vector<std::string> names;
+  // What is no file that can be read is told with the pictures, not passed over.
   for (const auto& entry : std::filesystem::directory_iterator(folder, status)) {
     std::string extension = entry.path().extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (entry.is_regular_file() && kExtensions.contains(extension)) names.push_back(entry.path().filename().string());
+    if (!entry.is_directory(unknown) && kExtensions.contains(extension)) names.push_back(entry.path().filename().string());
   }
   if (status) throw FileError(folder, 0, "is not a folder that can be read");
   std::sort(names.begin(), names.end());

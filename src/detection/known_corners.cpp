@@ -9,6 +9,7 @@
 #include <mutex>
 #include <sstream>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -47,15 +48,11 @@ struct KnownLine {
   PictureFinding finding;
 };
 
-/// Nothing where the line is not whole, or of a version that did not look at pictures so closely.
-std::optional<KnownLine> parseLine(std::string_view line) {
-  constexpr std::size_t kBegin = 2 * kKeyLength + 2;
-  if (line.size() <= kBegin || line[kKeyLength] != ' ' || line[kBegin - 1] != ' ') return std::nullopt;
-  const std::string key(line.substr(0, kKeyLength));
-  const std::string text(line.substr(kBegin));
-  if (line.substr(kKeyLength + 1, kKeyLength) != checksumOf(key + text)) return std::nullopt;
+/// What the checksum bears out. @throws Json::exception where somebody wrote it by hand.
+std::optional<KnownLine> parseWholeLine(const std::string& key, const std::string& text) {
   const Json content = Json::parse(text);
   if (!content.contains("look")) return std::nullopt;
+
   PictureFinding finding;
   finding.width = content["size"][0].get<int>();
   finding.height = content["size"][1].get<int>();
@@ -73,6 +70,20 @@ std::optional<KnownLine> parseLine(std::string_view line) {
   return KnownLine{key, std::move(finding)};
 }
 
+/// Nothing where the line is not whole, or of a version that did not look at pictures so closely.
+std::optional<KnownLine> parseLine(std::string_view line) {
+  constexpr std::size_t kBegin = 2 * kKeyLength + 2;
+  if (line.size() <= kBegin || line[kKeyLength] != ' ' || line[kBegin - 1] != ' ') return std::nullopt;
+  const std::string key(line.substr(0, kKeyLength));
+  const std::string text(line.substr(kBegin));
+  if (line.substr(kKeyLength + 1, kKeyLength) != checksumOf(key + text)) return std::nullopt;
+  try {
+    return parseWholeLine(key, text);
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
 /// A file that is only appended to, one whole line a call.
 class Journal {
  public:
@@ -86,7 +97,7 @@ class Journal {
     for (std::string_view rest = line; !rest.empty();) {
       const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
       if (written < 0 && errno == EINTR) continue;
-      if (written < 0) throw FileError(file_, 0, "cannot be written");
+      if (written < 0) throw FileError(file_, 0, "cannot be written: " + std::generic_category().message(errno));
       rest.remove_prefix(static_cast<std::size_t>(written));
     }
   }
@@ -97,6 +108,7 @@ class Journal {
 
  private:
   void open() {
+    requireReplaceable(file_);
     std::error_code status;
     if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), status);
     const std::uintmax_t size = std::filesystem::file_size(file_, status);
@@ -141,7 +153,8 @@ struct KnownCorners::Store {
 };
 
 KnownCorners::KnownCorners(const std::filesystem::path& file) : store_(std::make_unique<Store>(file)) {
-  if (std::filesystem::exists(file)) store_->read(file);
+  std::error_code status;
+  if (std::filesystem::exists(file, status) || status) store_->read(file);
 }
 
 KnownCorners::~KnownCorners() = default;

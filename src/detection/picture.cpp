@@ -1,12 +1,16 @@
 #include "detection/picture.hpp"
 
 #include <cstdint>
+#include <new>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "detection/memory.hpp"
+#include "detection/picture_header.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 
@@ -48,11 +52,15 @@ bool isCutShort(std::string_view bytes) {
 cv::Mat decode(const std::string& bytes) {
   // imdecode only reads its input; the cast spares a copy of the file.
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  const MemoryWatch watch;
+  cv::Mat picture;
   try {
-    return cv::imdecode(buffer, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    return {};
+    picture = cv::imdecode(buffer, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
   }
+  if (picture.empty()) watch.check();  // the decoders take memory that is refused for a broken file
+  return picture;
 }
 
 cv::Mat toEightBit(const cv::Mat& wide) {
@@ -70,16 +78,23 @@ PictureFile readPictureFile(const std::filesystem::path& file) {
     PictureFile picture{readTextFile(file), ""};
     if (picture.bytes.empty()) picture.problem = "the file is empty";
     return picture;
-  } catch (const FileError&) {
-    return {"", std::filesystem::exists(file) ? "cannot be read" : "no such file"};
+  } catch (const FileError& error) {
+    // Behind `FILE: `; whoever tells it names the picture.
+    return {"", std::string(error.what()).substr(file.string().size() + 2)};
   }
 }
 
 Picture decodePicture(const PictureFile& file) {
   if (file.bytes.empty()) return {{}, file.problem};
+  constexpr const char* kNoPicture = "is not a picture that can be read, expected PNG, JPEG or TIFF";
   if (isCutShort(file.bytes)) return {{}, "the file is cut short"};
+  const std::optional<PictureSize> size = sizeInHeader(file.bytes);
+  if (!size) return {{}, kNoPicture};
+  if (size->pixels() > kMostPixels) {
+    return {{}, fmt::format("is {} x {} pixels, expected at most {:.0f} million", size->width, size->height, 1e-6 * kMostPixels)};
+  }
   const cv::Mat picture = decode(file.bytes);
-  if (picture.empty()) return {{}, "is not a picture that can be read, expected PNG, JPEG or TIFF"};
+  if (picture.empty()) return {{}, kNoPicture};
   if (picture.depth() == CV_8U) return {picture, ""};
   if (picture.depth() == CV_16U) return {toEightBit(picture), ""};
   return {{}, "has pixels that are neither 8 nor 16 bit integers"};

@@ -21,8 +21,8 @@ struct Picture {
 };
 
 /// Decodes PNG, JPEG, TIFF or BMP, grey or colour, 8 or 16 bit, with its pixels where the sensor had them: an orientation tag of the camera
-/// is not applied. 16-bit values are scaled by their full range, 65535, or by 4095 where none is larger: 12-bit cameras write theirs
-/// unscaled.
+/// is not applied. Pictures of more than kMostPixels are not decoded: a file of a few bytes may state any size. 16-bit values are scaled by
+/// their full range, 65535, or by 4095 where none is larger: 12-bit cameras write theirs unscaled.
 Picture decodePicture(const PictureFile& file);
 
 /// decodePicture(readPictureFile(file)).

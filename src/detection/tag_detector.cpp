@@ -1,8 +1,11 @@
 #include "detection/tag_detector.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <new>
 
+#include "detection/memory.hpp"
 #include "detection/tag_family.hpp"
 
 extern "C" {
@@ -41,7 +44,11 @@ struct TagDetector::Library {
   apriltag_detector_t* detector;
 
   Library(const std::string& name, int corrected_bits) : family(makeTagFamily(name)), detector(apriltag_detector_create()) {
+    const MemoryWatch watch;
     apriltag_detector_add_family_bits(detector, family.get(), corrected_bits);
+    // Without its table of codes the library finds no tag in any picture.
+    if (family->impl == nullptr) throw std::bad_alloc();
+    watch.check();
     detector->nthreads = 1;  // pictures run in parallel already
   }
   ~Library() { apriltag_detector_destroy(detector); }
@@ -63,6 +70,9 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& grey, double quad_d
   if (std::min(grey.cols, grey.rows) < kSmallestSide * quad_decimate) return {};
   library_->detector->quad_decimate = static_cast<float>(quad_decimate);
   library_->detector->refine_edges = refine_edges;
+  // The library does not look whether it was given the memory that it asks for.
+  requireMemory(searchMemory(static_cast<std::int64_t>(grey.total())));
+  const MemoryWatch watch;
   image_u8_t view{grey.cols, grey.rows, static_cast<int32_t>(grey.step[0]), grey.data};
   zarray_t* found = apriltag_detector_detect(library_->detector, &view);
   std::vector<TagDetection> tags;
@@ -72,6 +82,7 @@ std::vector<TagDetection> TagDetector::detect(const cv::Mat& grey, double quad_d
     tags.push_back(convert(*raw));
   }
   apriltag_detections_destroy(found);
+  watch.check();
   return tags;
 }
 

@@ -8,6 +8,7 @@
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/robot/robot_file.hpp"
+#include "robot/arm_size.hpp"
 
 namespace poecal {
 namespace {
@@ -36,6 +37,13 @@ JointLimits readLimits(const YamlNode& node) {
   return {values(0), values(1)};
 }
 
+/// A point of the arm, in base at q = 0.
+Eigen::Vector3d readPoint(const YamlNode& node) {
+  const Eigen::Vector3d point = node.vector3();
+  if (const auto problem = sizeProblem(point)) node.fail(*problem);
+  return point;
+}
+
 Joint readJoint(const YamlNode& node) {
   node.checkKeys({"name", "type", "axis", "point", "limits", "standard_deviation"});
   const std::string name = node["name"].text();
@@ -43,10 +51,10 @@ Joint readJoint(const YamlNode& node) {
   const Eigen::Vector3d axis = readUnitAxis(node["axis"]);
   Joint joint;
   if (type == JointType::kRevolute) {
-    joint = Joint::revolute(name, axis, node["point"].vector3());
+    joint = Joint::revolute(name, axis, readPoint(node["point"]));
   } else {
     const auto point = node.find("point");
-    joint = Joint::prismatic(name, axis, point ? point->vector3() : Eigen::Vector3d::Zero());
+    joint = Joint::prismatic(name, axis, point ? readPoint(*point) : Eigen::Vector3d::Zero());
   }
   if (const auto limits = node.find("limits")) joint.limits = readLimits(*limits);
   return joint;
@@ -56,7 +64,8 @@ LinkMass readLink(const YamlNode& node) {
   node.checkKeys({"mass", "com"});
   const YamlNode mass = node["mass"];
   if (mass.number() < 0.0) mass.fail(fmt::format("is {}, expected 0 or more", formatNumber(mass.number())));
-  return {mass.number(), node["com"].vector3()};
+  if (mass.number() > kLargestMass) mass.fail(fmt::format("is {:.3g} kg, expected the mass of an arm's link", mass.number()));
+  return {mass.number(), readPoint(node["com"])};
 }
 
 Arm readArm(const YamlNode& node) {
@@ -65,7 +74,10 @@ Arm readArm(const YamlNode& node) {
   const YamlNode joints = node["joints"];
   for (const YamlNode& joint : joints.items()) arm.joints.push_back(readJoint(joint));
   if (arm.joints.empty()) joints.fail("is empty, expected at least one joint");
-  arm.gamma = logSe3(readPose(node["flange"]));
+  const YamlNode flange = node["flange"];
+  const Eigen::Isometry3d T_base_flange = readPose(flange);
+  if (const auto problem = sizeProblem(T_base_flange.translation())) flange.fail(*problem);
+  arm.gamma = logSe3(T_base_flange);
   if (const auto links = node.find("links")) {
     for (const YamlNode& link : links->items()) arm.links.push_back(readLink(link));
     if (arm.links.size() != arm.joints.size()) {
@@ -113,7 +125,7 @@ Arm readRobotYaml(const std::filesystem::path& file) {
 std::string robotYaml(const Arm& arm) { return fmt::format("format: {}\n", kFormat) + robotMapYaml(arm, 0); }
 
 Arm readArm(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link) {
-  if (file.extension() != ".urdf") return readRobotYaml(file);
+  if (!isUrdf(file)) return readRobotYaml(file);
   if (base_link.empty() || tip_link.empty()) throw InvalidArgument("a URDF needs --base-link and --tip-link");
   return readUrdf(file, base_link, tip_link);
 }

@@ -4,7 +4,10 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <map>
 #include <mutex>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +15,8 @@
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/robot/robot_file.hpp"
+#include "robot/arm_size.hpp"
 
 namespace poecal {
 namespace {
@@ -52,6 +57,21 @@ const char* typeName(const urdf::Joint& joint) {
   }
 }
 
+/// The first element that xacro would replace: one of its own, or one with an expression in an attribute. Null where there is none.
+const tinyxml2::XMLElement* findMacro(const tinyxml2::XMLElement* element) {
+  for (; element != nullptr; element = element->NextSiblingElement()) {
+    if (std::string_view(element->Name()).starts_with("xacro:")) return element;
+    for (const tinyxml2::XMLAttribute* attribute = element->FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
+      const std::string_view value = attribute->Value();
+      if (value.find("${") != std::string_view::npos || value.find("$(") != std::string_view::npos) return element;
+    }
+    if (const tinyxml2::XMLElement* inner = findMacro(element->FirstChildElement())) return inner;
+  }
+  return nullptr;
+}
+
+constexpr double kSmallestAxis = 1e-9;
+
 bool isBelow(urdf::LinkConstSharedPtr link, const std::string& ancestor) {
   while (link && link->name != ancestor) link = link->getParent();
   return link != nullptr;
@@ -59,17 +79,45 @@ bool isBelow(urdf::LinkConstSharedPtr link, const std::string& ancestor) {
 
 }  // namespace
 
+bool isUrdf(const std::filesystem::path& file) { return file.extension() == ".urdf" || looksLikeXml(readTextFile(file)); }
+
 UrdfFile::UrdfFile(const std::filesystem::path& file) : file_(file) {
-  const std::string text = readTextFile(file);
+  const std::string text = readUtf8File(file);
   if (xml_.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS) {
     throw FileError(file, xml_.ErrorLineNum(), fmt::format("not valid XML ({}), expected a URDF", xml_.ErrorName()));
+  }
+  if (const tinyxml2::XMLElement* macro = findMacro(xml_.RootElement())) {
+    throw FileError(file, macro->GetLineNum(), "is a xacro, expected it expanded: xacro arm.urdf.xacro > arm.urdf");
   }
   CollectedErrors errors;
   model_ = urdf::parseURDF(text);
   const bool bad_inertial = std::any_of(errors.messages.begin(), errors.messages.end(), isAboutInertial);
-  if (model_ && !bad_inertial) return;
-  const std::string message = fmt::format("{}", fmt::join(errors.messages, "; "));
-  throw FileError(file, lineNamedIn(message), "not a valid URDF: " + message);
+  if (!model_ || bad_inertial) {
+    const std::string message = fmt::format("{}", fmt::join(errors.messages, "; "));
+    throw FileError(file, lineNamedIn(message), "not a valid URDF: " + message);
+  }
+  requireTree();
+}
+
+void UrdfFile::requireTree() const {
+  std::map<std::string, const urdf::Joint*> joint_above;
+  for (const auto& [name, joint] : model_->joints_) {
+    const auto [other, fresh] = joint_above.emplace(joint->child_link_name, joint.get());
+    if (!fresh)
+      failAtJoint(*joint, fmt::format("carries link '{}' as joint '{}' does, expected a tree", other->first, other->second->name));
+  }
+  std::set<std::string> rooted;  // links from which the way up ends
+  for (const auto& [name, joint] : model_->joints_) {
+    std::set<std::string> path;
+    std::string link = joint->child_link_name;
+    while (!rooted.contains(link)) {
+      if (!path.insert(link).second) failAtJoint(*joint_above.at(link), "is part of a ring of links, expected a tree");
+      const auto above = joint_above.find(link);
+      if (above == joint_above.end()) break;
+      link = above->second->parent_link_name;
+    }
+    rooted.merge(path);
+  }
 }
 
 const tinyxml2::XMLElement* UrdfFile::element(const char* tag, const std::string& name) const {
@@ -92,6 +140,10 @@ int UrdfFile::lineNamedIn(const std::string& message) const {
 
 void UrdfFile::failAtJoint(const urdf::Joint& joint, const std::string& message) const {
   throw FileError(file_, element("joint", joint.name)->GetLineNum(), fmt::format("joint '{}' {}", joint.name, message));
+}
+
+void UrdfFile::failAtLink(const std::string& name, const std::string& message) const {
+  throw FileError(file_, element("link", name)->GetLineNum(), fmt::format("link '{}' {}", name, message));
 }
 
 void UrdfFile::fail(const std::string& message) const { throw FileError(file_, 0, message); }
@@ -141,9 +193,12 @@ Arm armOfChain(const UrdfFile& urdf, const std::vector<urdf::JointConstSharedPtr
   Eigen::Isometry3d T_base_child = Eigen::Isometry3d::Identity();
   for (const urdf::JointConstSharedPtr& joint : chain) {
     T_base_child = T_base_child * poseOfUrdf(joint->parent_to_joint_origin_transform);
+    if (const auto problem = sizeProblem(T_base_child.translation())) urdf.failAtJoint(*joint, *problem);
     if (!isMoving(*joint)) continue;
     const Eigen::Vector3d axis(joint->axis.x, joint->axis.y, joint->axis.z);
-    if (axis.isZero(0.0)) urdf.failAtJoint(*joint, "has a zero axis, expected a direction");
+    if (!(axis.norm() > kSmallestAxis && axis.norm() < 1.0 / kSmallestAxis)) {
+      urdf.failAtJoint(*joint, fmt::format("has an axis of length {:.3g}, expected a direction", axis.norm()));
+    }
     const Eigen::Vector3d origin = T_base_child.translation();
     const Eigen::Vector3d axis_base = T_base_child.linear() * axis;
     arm.joints.push_back(joint->type == urdf::Joint::PRISMATIC ? Joint::prismatic(joint->name, axis_base, origin)
@@ -151,7 +206,7 @@ Arm armOfChain(const UrdfFile& urdf, const std::vector<urdf::JointConstSharedPtr
     // Lower and upper are 0 where <limit> leaves them out, which is no range at all.
     const bool has_range = joint->limits && (joint->limits->lower != 0.0 || joint->limits->upper != 0.0);
     if (joint->type == urdf::Joint::CONTINUOUS || !has_range) continue;
-    if (!(joint->limits->lower < joint->limits->upper)) {
+    if (!(joint->limits->lower < joint->limits->upper) || !(joint->limits->upper - joint->limits->lower < kLargestNumber)) {
       urdf.failAtJoint(*joint, fmt::format("has limits {} to {}, expected lower < upper", formatNumber(joint->limits->lower),
                                            formatNumber(joint->limits->upper)));
     }

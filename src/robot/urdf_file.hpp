@@ -16,7 +16,8 @@ namespace poecal {
 
 class UrdfFile {
  public:
-  /// @throws FileError: missing file, not XML, not a URDF; the message is urdfdom's, the line that of the joint or link it names.
+  /// @throws FileError: missing file, not XML, a xacro, not a URDF (the message is urdfdom's, the line that of the joint or link it names),
+  /// links that form no tree.
   explicit UrdfFile(const std::filesystem::path& file);
 
   const urdf::ModelInterface& model() const { return *model_; }
@@ -26,6 +27,8 @@ class UrdfFile {
   tinyxml2::XMLElement* element(const char* tag, const std::string& name);
   /// @throws FileError at the line of that <joint>.
   [[noreturn]] void failAtJoint(const urdf::Joint& joint, const std::string& message) const;
+  /// Likewise of a <link>.
+  [[noreturn]] void failAtLink(const std::string& name, const std::string& message) const;
   /// @throws FileError about the file as a whole.
   [[noreturn]] void fail(const std::string& message) const;
 
@@ -36,6 +39,8 @@ class UrdfFile {
  private:
   urdf::LinkConstSharedPtr link(const std::string& name) const;
   int lineNamedIn(const std::string& message) const;
+  /// urdfdom takes links in a ring, and a link on two joints. @throws FileError
+  void requireTree() const;
 
   std::filesystem::path file_;
   urdf::ModelInterfaceSharedPtr model_;

@@ -1,6 +1,11 @@
 #include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "poecal/robot/robot_file.hpp"
+#include "robot/arm_size.hpp"
 #include "robot/urdf_file.hpp"
 
 namespace poecal {
@@ -14,22 +19,31 @@ struct Balance {
   LinkMass total() const { return {mass, mass > 0.0 ? Eigen::Vector3d(moment / mass) : Eigen::Vector3d::Zero()}; }
 };
 
-/// Adds the mass of `link` and of all that it carries at q = 0, but for the branch through `next`.
-void addBodies(const urdf::ModelInterface& model, const std::string& link_name, const Eigen::Isometry3d& T_base_link,
-               const urdf::Joint* next, Balance& balance) {
-  const urdf::LinkConstSharedPtr link = model.getLink(link_name);
-  if (link->inertial) {
-    balance.mass += link->inertial->mass;
-    balance.moment += link->inertial->mass * (T_base_link * poseOfUrdf(link->inertial->origin)).translation();
-  }
-  for (const urdf::JointSharedPtr& joint : link->child_joints) {
-    if (joint.get() == next) continue;
-    addBodies(model, joint->child_link_name, T_base_link * poseOfUrdf(joint->parent_to_joint_origin_transform), next, balance);
+/// Adds the mass of `link_name` and of all that hangs on it at q = 0, but for the branch through `next`.
+void addBodies(const UrdfFile& urdf, const std::string& link_name, const Eigen::Isometry3d& T_base_link, const urdf::Joint* next,
+               Balance& balance) {
+  std::vector<std::pair<std::string, Eigen::Isometry3d>> waiting{{link_name, T_base_link}};
+  while (!waiting.empty()) {
+    const auto [name, T_base_body] = waiting.back();
+    waiting.pop_back();
+    const urdf::LinkConstSharedPtr link = urdf.model().getLink(name);
+    if (link->inertial) {
+      const Eigen::Vector3d centre = (T_base_body * poseOfUrdf(link->inertial->origin)).translation();
+      const double mass = link->inertial->mass;
+      if (!(std::abs(mass) <= kLargestMass)) urdf.failAtLink(name, fmt::format("has a mass of {:.3g} kg, expected that of an arm", mass));
+      if (const auto problem = sizeProblem(centre)) urdf.failAtLink(name, *problem);
+      balance.mass += mass;
+      balance.moment += mass * centre;
+    }
+    for (const urdf::JointSharedPtr& joint : link->child_joints) {
+      if (joint.get() != next)
+        waiting.emplace_back(joint->child_link_name, T_base_body * poseOfUrdf(joint->parent_to_joint_origin_transform));
+    }
   }
 }
 
 /// One mass per moving joint: the bodies between it and the next one, with all that they carry. Empty if none has a mass.
-std::vector<LinkMass> linksOfChain(const urdf::ModelInterface& model, const std::vector<urdf::JointConstSharedPtr>& chain) {
+std::vector<LinkMass> linksOfChain(const UrdfFile& urdf, const std::vector<urdf::JointConstSharedPtr>& chain) {
   std::vector<Balance> balances;
   Eigen::Isometry3d T_base_child = Eigen::Isometry3d::Identity();
   for (std::size_t k = 0; k < chain.size(); ++k) {
@@ -37,7 +51,7 @@ std::vector<LinkMass> linksOfChain(const urdf::ModelInterface& model, const std:
     if (isMoving(*chain[k])) balances.emplace_back();
     if (balances.empty()) continue;  // before the first moving joint everything stands still with the base
     const urdf::Joint* next = k + 1 < chain.size() ? chain[k + 1].get() : nullptr;
-    addBodies(model, chain[k]->child_link_name, T_base_child, next, balances.back());
+    addBodies(urdf, chain[k]->child_link_name, T_base_child, next, balances.back());
   }
   std::vector<LinkMass> links;
   if (std::none_of(balances.begin(), balances.end(), [](const Balance& balance) { return balance.mass > 0.0; })) return links;
@@ -52,7 +66,7 @@ Arm readUrdf(const std::filesystem::path& file, const std::string& base_link, co
   const std::vector<urdf::JointConstSharedPtr> chain = urdf.chain(base_link, tip_link);
   Arm arm = armOfChain(urdf, chain);
   arm.name = urdf.model().getName();
-  arm.links = linksOfChain(urdf.model(), chain);
+  arm.links = linksOfChain(urdf, chain);
   return arm;
 }
 

@@ -1,6 +1,6 @@
 #include "poecal/simulation/scene.hpp"
 
-#include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include "core/yaml.hpp"
 #include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
+#include "poecal/capture/detections.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/random.hpp"
 #include "poecal/core/text.hpp"
@@ -18,25 +19,30 @@
 namespace poecal {
 namespace {
 
-double notNegative(const YamlNode& node) {
+// Larger figures nobody means, and they fill the memory or keep the program for days.
+constexpr int kMostSamples = 1'000'000, kMostBoards = 10'000;
+constexpr double kLargestError = 1.0;           ///< of an axis [m], [rad]
+constexpr double kLargestCornerSigma = 1000.0;  ///< [px]
+
+double notNegative(const YamlNode& node, double largest) {
   const double value = node.number();
-  if (value < 0.0) node.fail(fmt::format("is {}, expected 0 or more", formatNumber(value)));
+  if (value < 0.0 || value > largest) node.fail(fmt::format("is {}, expected 0 to {}", formatNumber(value), formatNumber(largest)));
   return value;
 }
 
-int atLeast(const YamlNode& node, int smallest) {
+int integerWithin(const YamlNode& node, int smallest, int largest) {
   const int value = node.integer();
-  if (value < smallest) node.fail(fmt::format("is {}, expected {} or more", value, smallest));
+  if (value < smallest || value > largest) node.fail(fmt::format("is {}, expected {} to {}", value, smallest, largest));
   return value;
 }
 
-std::uint64_t seedOf(const YamlNode& node) { return static_cast<std::uint64_t>(atLeast(node, 0)); }
+std::uint64_t seedOf(const YamlNode& node) { return static_cast<std::uint64_t>(integerWithin(node, 0, std::numeric_limits<int>::max())); }
 
 /// The nominal arm with every axis a little off: normal tilts and shifts in the directions that move it.
 Arm drawErrors(const YamlNode& errors, const Arm& nominal) {
   errors.checkKeys({"seed", "position", "rotation"});
-  const double position = notNegative(errors["position"]);
-  const double rotation = notNegative(errors["rotation"]);
+  const double position = notNegative(errors["position"], kLargestError);
+  const double rotation = notNegative(errors["rotation"], kLargestError);
   Rng rng(seedOf(errors["seed"]), streamOf(Purpose::kErrors));
   Eigen::VectorXd beta(twistParameterCount(nominal));
   Eigen::Index k = 0;
@@ -95,8 +101,9 @@ void readSamplesPart(const YamlNode& root, Scene& scene) {
     scene.samples_file = namedFile(*file);
   } else {
     samples->checkKeys({"count", "seed", "repeats"});
-    if (const auto count = samples->find("count")) scene.count = atLeast(*count, 1);
-    if (const auto repeats = samples->find("repeats")) scene.repeats = atLeast(*repeats, 1);
+    if (const auto count = samples->find("count")) scene.count = integerWithin(*count, 1, kMostSamples);
+    // The shots of all poses together.
+    if (const auto repeats = samples->find("repeats")) scene.repeats = integerWithin(*repeats, 1, kMostSamples / scene.count);
   }
   if (const auto seed = samples->find("seed")) scene.seed = seedOf(*seed);
 }
@@ -109,8 +116,8 @@ void readImage(const YamlNode& node, Scene& scene) {
     if (blur || noise) like->fail(fmt::format("stands beside {}, expected one of the two", blur ? "blur" : "noise"));
     scene.looks = readPictureLooks(namedFile(*like));
   }
-  if (blur) image.blur = notNegative(*blur);
-  if (noise) image.noise = notNegative(*noise);
+  if (blur) image.blur = notNegative(*blur, kLargestBlur);
+  if (noise) image.noise = notNegative(*noise, kLargestNoise);
   if (const auto background = node.find("background")) image.background = background->text();
   try {
     image.validate();
@@ -126,7 +133,7 @@ void readOutput(const YamlNode& root, Scene& scene) {
   if (image && corners) corners->fail("stands beside image, expected one of the two");
   if (corners) {
     corners->checkKeys({"sigma"});
-    scene.corner_sigma = notNegative((*corners)["sigma"]);
+    scene.corner_sigma = notNegative((*corners)["sigma"], kLargestCornerSigma);
   } else {
     scene.image.emplace();
     if (image) readImage(*image, scene);
@@ -140,7 +147,7 @@ void readOutput(const YamlNode& root, Scene& scene) {
     const YamlNode target = (*intrinsics)["target"];
     scene.board = readTarget(namedFile(target));
     if (scene.board->type == TargetType::kPoints) target.fail("single points cannot be drawn, expected tags or a board");
-    scene.board_count = atLeast((*intrinsics)["count"], 1);
+    scene.board_count = integerWithin((*intrinsics)["count"], 1, kMostBoards);
   }
 }
 
@@ -159,13 +166,13 @@ void readEffectsPart(const YamlNode& root, Scene& scene) {
 }  // namespace
 
 void ImageOptions::validate() const {
-  const auto check = [](const char* name, double value) {
-    if (!(value >= 0.0) || !std::isfinite(value)) {
-      throw InvalidArgument(fmt::format("{} is {}, expected 0 or more", name, formatNumber(value)));
+  const auto check = [](const char* name, double value, double largest) {
+    if (!(value >= 0.0 && value <= largest)) {
+      throw InvalidArgument(fmt::format("{} is {}, expected 0 to {}", name, formatNumber(value), formatNumber(largest)));
     }
   };
-  check("blur", blur);
-  check("noise", noise);
+  check("blur", blur, kLargestBlur);
+  check("noise", noise, kLargestNoise);
   if (background != "clutter" && background != "plain") {
     throw InvalidArgument(fmt::format("background '{}' is not known, expected clutter or plain", background));
   }
@@ -191,6 +198,10 @@ Scene readScene(const std::filesystem::path& file) {
   if (const auto name = root.find("name")) scene.name = name->text();
   readArms(root, scene);
   scene.camera = readCamera(namedFile(root["camera"]));
+  if (PictureSize{scene.camera.width, scene.camera.height}.pixels() > kMostPixels) {
+    root["camera"].fail(
+        fmt::format("has {} x {} pixels, expected at most {} million", scene.camera.width, scene.camera.height, 1e-6 * kMostPixels));
+  }
   scene.stated_camera = scene.camera;
   if (const auto stated = root.find("stated")) scene.stated_camera = readCamera(namedFile(*stated));
   scene.target = readTarget(namedFile(root["target"]));

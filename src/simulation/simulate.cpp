@@ -1,11 +1,15 @@
 #include "poecal/simulation/simulate.hpp"
 
+#include <functional>
+#include <system_error>
+
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/yaml.hpp"
 #include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
+#include "poecal/core/content_key.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/parallel.hpp"
 #include "poecal/core/progress.hpp"
@@ -29,8 +33,23 @@ struct Simulation {
   std::vector<Eigen::Isometry3d> T_camera_board;  ///< of the intrinsics pictures
 };
 
+/// In the capture folder while it is being written: the key of what is drawn there.
+constexpr const char* kUnfinished = ".unfinished";
+
+bool isEmpty(const std::filesystem::path& folder) {
+  std::error_code status;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, status)) {
+    // A program that was killed in its first moment leaves a part of the mark alone.
+    if (entry.path().filename() != std::string(kUnfinished) + ".part") return false;
+  }
+  return !status;
+}
+
 void requireEmpty(const std::filesystem::path& folder) {
-  if (std::filesystem::exists(folder) && !(std::filesystem::is_directory(folder) && std::filesystem::is_empty(folder))) {
+  std::error_code status;
+  const std::filesystem::file_type type = std::filesystem::status(folder, status).type();
+  if (type == std::filesystem::file_type::not_found) return;
+  if (type != std::filesystem::file_type::directory || !isEmpty(folder)) {
     throw FileError(folder, 0, "is there already and not empty, expected a new folder");
   }
 }
@@ -41,9 +60,12 @@ std::filesystem::path plainPath(const std::filesystem::path& folder) {
   return normal.has_filename() ? normal : normal.parent_path();
 }
 
-void writePicture(const std::filesystem::path& file, const cv::Mat& picture) {
+/// Draws a picture where it is not there yet: one that a killed program wrote is whole.
+void writePicture(const std::filesystem::path& file, const std::function<cv::Mat()>& draw) {
+  std::error_code status;
+  if (std::filesystem::is_regular_file(file, status)) return;
   std::vector<unsigned char> png;
-  cv::imencode(".png", picture, png);
+  cv::imencode(".png", draw(), png);
   writeTextFile(file, std::string(png.begin(), png.end()));
 }
 
@@ -56,9 +78,10 @@ void writePictures(const Simulation& simulation, const std::filesystem::path& fo
   parallelFor(simulation.samples.samples.size(), options.jobs, [&](std::size_t k) {
     const Sample& sample = simulation.samples.samples[k];
     const Disturbance& disturbance = simulation.disturbances[k];
-    writePicture(folder / sample.image,
-                 renderTarget(disturbedCamera(cell, disturbance), scene.target, disturbedTarget(cell, sample, disturbance),
-                              imageOptions(scene, k), scene.seed, streamOf(Purpose::kPicture, k)));
+    writePicture(folder / sample.image, [&] {
+      return renderTarget(disturbedCamera(cell, disturbance), scene.target, disturbedTarget(cell, sample, disturbance),
+                          imageOptions(scene, k), scene.seed, streamOf(Purpose::kPicture, k));
+    });
     progress.advance();
   });
 }
@@ -67,8 +90,10 @@ void writeBoardPictures(const Simulation& simulation, const std::filesystem::pat
   const Scene& scene = simulation.scene;
   Progress progress(options.progress, "drawing boards", simulation.T_camera_board.size());
   parallelFor(simulation.T_camera_board.size(), options.jobs, [&](std::size_t k) {
-    writePicture(folder / boardPictureName(k), renderTarget(scene.camera, *scene.board, simulation.T_camera_board[k],
-                                                            imageOptions(scene, k), scene.seed, streamOf(Purpose::kBoardPicture, k)));
+    writePicture(folder / boardPictureName(k), [&] {
+      return renderTarget(scene.camera, *scene.board, simulation.T_camera_board[k], imageOptions(scene, k), scene.seed,
+                          streamOf(Purpose::kBoardPicture, k));
+    });
     progress.advance();
   });
   writeTextFile(folder / "target.yaml", targetYaml(*scene.board));
@@ -172,7 +197,6 @@ Detections drawnLooks(const Simulation& simulation) {
 
 void writeTruth(const Simulation& simulation, const std::filesystem::path& folder) {
   const Scene& scene = simulation.scene;
-  writeTextFile(folder / "truth.yaml", truthYaml(scene));
   writeTextFile(folder / "actual.yaml", robotYaml(scene.actual));
   writeTextFile(folder / "camera.yaml", cameraYaml(scene.camera));
   writeTextFile(folder / "target.yaml", targetYaml(scene.target));
@@ -180,6 +204,25 @@ void writeTruth(const Simulation& simulation, const std::filesystem::path& folde
   writeTextFile(folder / "samples.csv", samplesCsv(trueSamples(simulation)));
   if (!scene.looks.empty()) writeTextFile(folder / "pictures.csv", picturesCsv(drawnLooks(simulation)));
   if (scene.board) writeTextFile(folder / "intrinsics_corners.csv", detectionsCsv(boardCorners(simulation)));
+  writeTextFile(folder / "truth.yaml", truthYaml(scene));
+}
+
+/// Of everything that the files are made of.
+std::string keyOf(const Simulation& simulation) {
+  const Scene& scene = simulation.scene;
+  ContentKey key;
+  key.add(captureYaml(scene)).add(truthYaml(scene)).add(robotYaml(scene.actual)).add(readTextFile(scene.robot_file));
+  key.add(cameraYaml(scene.camera)).add(cameraYaml(scene.stated_camera)).add(targetYaml(scene.target)).add(targetYaml(scene.stated_target));
+  key.add(samplesCsv(simulation.samples)).add(detectionsCsv({simulation.corners}));
+  if (scene.board) key.add(targetYaml(*scene.board)).add(std::to_string(scene.board_count));
+  if (!scene.looks.empty()) key.add(picturesCsv(drawnLooks(simulation)));
+  return key.text() + "\n";
+}
+
+/// Whether a killed program has begun to write there.
+bool isBegun(const std::filesystem::path& folder) {
+  std::error_code status;
+  return std::filesystem::is_regular_file(folder / kUnfinished, status);
 }
 
 SimulateSummary summaryOf(const Simulation& simulation) {
@@ -200,14 +243,23 @@ SimulateSummary summaryOf(const Simulation& simulation) {
 SimulateSummary simulate(const Scene& scene, const std::filesystem::path& capture, const SimulateOptions& options) {
   const std::filesystem::path folder = plainPath(capture);
   const std::filesystem::path truth = folder.string() + "-truth";
-  requireEmpty(folder);
-  requireEmpty(truth);
+  const bool begun = isBegun(folder);
+  if (!begun) {
+    requireEmpty(folder);
+    requireEmpty(truth);
+  }
   Simulation simulation{.scene = scene, .samples = drawSamples(scene), .disturbances = {}, .corners = {}, .T_camera_board = {}};
   simulation.disturbances = trueDisturbances(scene, simulation.samples.samples);
   simulation.corners = trueCorners(scene, simulation.samples);
   if (scene.board) simulation.T_camera_board = drawBoardPoses(scene.camera, *scene.board, scene.board_count, scene.seed);
+  const std::string key = keyOf(simulation);
+  if (begun && readTextFile(folder / kUnfinished) != key) {
+    throw FileError(folder, 0, "holds what is unfinished of another scene, expected a new folder");
+  }
+  if (!begun) writeTextFile(folder / kUnfinished, key);
   writeTruth(simulation, truth);
   writeCapture(simulation, folder, options);
+  std::filesystem::remove(folder / kUnfinished);
   SimulateSummary summary = summaryOf(simulation);
   summary.truth = truth;
   return summary;

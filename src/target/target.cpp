@@ -15,7 +15,12 @@ namespace {
 /// Far beyond any board; keeps a typing error from filling the memory.
 constexpr int kMaxPerSide = 1000;
 
+constexpr double kLargestSide = 3.0;  ///< [m] of a tag or a square; in millimetres the smallest ones are larger
+
 void checkLength(double value, const char* name) {
+  if (value > kLargestSide && std::isfinite(value)) {
+    throw InvalidArgument(fmt::format("{} is {} m, expected at most {} m: millimetres?", name, value, kLargestSide));
+  }
   if (!(value > 0.0) || !std::isfinite(value)) throw InvalidArgument(fmt::format("{} is {}, expected a positive length in m", name, value));
 }
 

@@ -110,7 +110,7 @@ TEST_F(Export, WarnsOfEffectsThatAUrdfCannotHold) {
 TEST_F(Export, RefusesToReplaceAnInput) {
   const test::ProgramRun result = test::runProgram(folder_.path(), "export model.yaml --urdf arm.urdf --out ./arm.urdf");
   EXPECT_EQ(result.status, 2);
-  EXPECT_THAT(result.err, HasSubstr("--out ./arm.urdf is an input itself"));
+  EXPECT_THAT(result.err, HasSubstr("./arm.urdf is an input itself"));
   EXPECT_EQ(readTextFile(folder_.path() / "arm.urdf"), test::kSevenJoints.text());
 }
 

@@ -1,5 +1,7 @@
 #include "poecal/capture/detections.hpp"
 
+#include <optional>
+
 #include <gmock/gmock.h>
 
 #include "capture/test_arm.hpp"
@@ -49,6 +51,31 @@ TEST_F(DetectionsFile, WhatIsWrittenReadsBackBitForBit) {
   }
   EXPECT_TRUE(std::isnan(back.images[0].corners[0].sigma));
   EXPECT_EQ(back.images[0].corners[1].sigma, 0.04);
+}
+
+TEST_F(DetectionsFile, CornersThatNoPictureHoldsAreRefused) {
+  const auto errorIn = [&](const std::string& rows, const std::optional<PictureSize>& size) {
+    const auto file = folder_.write("detections.csv", "image,tag,corner,u,v\n" + rows);
+    return test::messageOf<FileError>([&] { readDetections(file, target_, nullptr, size); });
+  };
+  const PictureSize size{640, 480};
+  EXPECT_EQ(errorIn("a.png,7,0,-0.5,-0.5\na.png,7,1,639.5,479.5\n", size), "no error");
+  EXPECT_EQ(errorIn("a.png,7,0,-6,-4\na.png,7,1,645,484\n", size), "no error") << "a fitted corner may lie a little outside";
+  EXPECT_THAT(errorIn("a.png,7,0,1,1\na.png,7,1,953.25,20\n", size),
+              HasSubstr("detections.csv:3: u is 953.25, expected -0.5 to 639.5 (a picture of 640 px)"));
+  EXPECT_THAT(errorIn("a.png,7,1,20,500\n", size), HasSubstr("detections.csv:2: v is 500.0, expected -0.5 to 479.5"));
+  EXPECT_THAT(errorIn("a.png,7,1,-30000,50\n", size), HasSubstr("detections.csv:2: u is -30000.0, expected"));
+  EXPECT_THAT(errorIn("a.png,7,1,1e308,50\n", size), HasSubstr("detections.csv:2: u is '1e308', expected a finite number"));
+  EXPECT_EQ(errorIn("a.png,7,1,30000,50\n", std::nullopt), "no error") << "of pictures of unknown size";
+  EXPECT_THAT(errorIn("a.png,7,1,1e7,50\n", std::nullopt), HasSubstr("detections.csv:2: u is 10000000.0, expected a place in a picture"));
+  EXPECT_THAT(errorOf("a.png,4294967303,1,10,50\n"), HasSubstr("is not in the target")) << "7 beyond what an int holds";
+}
+
+TEST_F(DetectionsFile, SigmasThatNoWeightComesOfAreRefused) {
+  for (const char* sigma : {"0", "-1", "1e-300", "1e9"}) {
+    const auto file = folder_.write("detections.csv", std::string("image,tag,corner,u,v,sigma\na.png,7,0,1,1,") + sigma + "\n");
+    EXPECT_THAT(test::messageOf<FileError>([&] { readDetections(file, target_); }), HasSubstr("detections.csv:2: sigma is ")) << sigma;
+  }
 }
 
 TEST_F(DetectionsFile, ErrorsNameLineAndExpectation) {

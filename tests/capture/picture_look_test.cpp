@@ -60,7 +60,7 @@ TEST(PictureLook, ErrorsNameLineAndExpectation) {
     return "no error";
   };
   EXPECT_THAT(errorOf("blur\n0.7\n"), HasSubstr("looks.csv:1: "));
-  EXPECT_THAT(errorOf("blur,noise\n0.7,2\n-0.1,2\n"), HasSubstr("looks.csv:3: blur is -0.1, expected 0 or more"));
+  EXPECT_THAT(errorOf("blur,noise\n0.7,2\n-0.1,2\n"), HasSubstr("looks.csv:3: blur is -0.1, expected 0 to 30.0"));
   EXPECT_THAT(errorOf("blur,noise\n0.7,much\n"), HasSubstr("looks.csv:2: "));
   EXPECT_THAT(errorOf("blur,noise\n"), HasSubstr("looks.csv:1: has no rows, expected blur and noise of at least one picture"));
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <xxhash.h>
 
+#include "core/build_key.hpp"
 #include "support/temp_folder.hpp"
 
 namespace poecal {
@@ -19,9 +20,20 @@ std::string piece(const std::string& bytes) {
 }
 
 TEST(ContentKey, IsTheHashOfAllPiecesInOneGo) {
-  const std::string all = piece(POECAL_VERSION) + piece("one") + piece("") + piece(std::string(1000, 'x'));
+  const std::string all = piece(POECAL_VERSION) + piece(std::string(buildKey())) + piece("one") + piece("") + piece(std::string(1000, 'x'));
   const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
   EXPECT_EQ(ContentKey().add("one").add("").add(std::string(1000, 'x')).text(), fmt::format("{:016x}{:016x}", hash.high64, hash.low64));
+}
+
+TEST(ContentKey, ABuildHasAKey) {
+  EXPECT_EQ(buildKey().size(), 64u);
+  EXPECT_EQ(buildKey().find_first_not_of("0123456789abcdef"), std::string_view::npos);
+}
+
+TEST(ContentKey, AChecksumIsOfTheBytesAlone) {
+  // XXH3's own value for nothing, of its specification.
+  EXPECT_EQ(checksum(""), "99aa06d3014798d86001c324468d497f");
+  EXPECT_NE(checksum("a"), checksum("b"));
 }
 
 TEST(ContentKey, WherePiecesEndCounts) {

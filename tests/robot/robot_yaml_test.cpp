@@ -126,6 +126,12 @@ const BadRobot kBadRobots[] = {
     {"UnknownKeyOfTheArm", "flange:", "tool:", "robot.yaml:6: unknown key 'tool'"},
     {"LinkCount", "  - {mass: 0, com: [0, 0, 0]}\n", "", "links: 1 links, expected one per joint: 2"},
     {"Mass", "mass: 4.1", "mass: -4.1", "robot.yaml:8: links[0].mass: is -4.1, expected 0 or more"},
+    {"Millimetres", "point: [0.1, 0, 0.2]", "point: [100, 0, 200]",
+     "robot.yaml:4: joints[0].point: is 0.22 km from the base, expected metres: an arm in millimetres?"},
+    {"FlangeInMillimetres", "flange: {position: [", "flange: {position: [1000", "robot.yaml:6: flange: is "},
+    {"HugePoint", "point: [0.1, 0, 0.2]", "point: [1e308, 0, 0.2]", "robot.yaml:4: joints[0].point[0]: expected a finite number"},
+    {"HugeMass", "mass: 4.1", "mass: 4.1e9", "robot.yaml:8: links[0].mass: is 4.1e+09 kg, expected the mass of an arm's link"},
+    {"KeyTwice", "name: ", "name: again\nname: ", "is there twice"},
     {"Format", "poecal-robot/1", "poecal-robot/2", "robot.yaml:1: format: is 'poecal-robot/2', expected poecal-robot/1"},
     {"Quaternion", "[0, 0, 0, 1]", "[0, 0, 1, 1]", "robot.yaml:6: flange.quaternion_xyzw: length 1.414214, expected a unit quaternion"},
 };

@@ -3,6 +3,7 @@
 #include <ostream>
 #include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "poecal/core/error.hpp"
@@ -149,7 +150,35 @@ const BadUrdf kBadUrdfs[] = {
     {"Planar", "prismatic", "planar", "a", "c", "small.urdf:4: joint 'slide' is planar, expected revolute"},
     {"Mimic", "<child link=\"c\"/>", "<child link=\"c\"/><mimic joint=\"turn\"/>", "a", "c", "small.urdf:4: joint 'slide' mimics 'turn'"},
     {"Axis", "<child link=\"c\"/><axis xyz=\"0 0 1\"/>", "<child link=\"c\"/><axis xyz=\"0 0 0\"/>", "a", "c",
-     "small.urdf:4: joint 'slide' has a zero axis, expected a direction"},
+     "small.urdf:4: joint 'slide' has an axis of length 0, expected a direction"},
+    {"TinyAxis", "<child link=\"c\"/><axis xyz=\"0 0 1\"/>", "<child link=\"c\"/><axis xyz=\"0 0 1e-300\"/>", "a", "c",
+     "small.urdf:4: joint 'slide' has an axis of length"},
+    {"HugeAxis", "<child link=\"c\"/><axis xyz=\"0 0 1\"/>", "<child link=\"c\"/><axis xyz=\"0 0 1e308\"/>", "a", "c",
+     "small.urdf:4: joint 'slide' has an axis of length"},
+    {"Millimetres", "<child link=\"c\"/>", "<child link=\"c\"/><origin xyz=\"400 0 162.5\"/>", "a", "c",
+     "small.urdf:4: joint 'slide' is 0.43 km from the base, expected metres: an arm in millimetres?"},
+    {"HugeOrigin", "<child link=\"c\"/>", "<child link=\"c\"/><origin xyz=\"1e308 0 0\"/>", "a", "c", "an arm in millimetres?"},
+    {"HugeMass", "<link name=\"c\"/>",
+     "\n<link name=\"c\"><inertial><mass value=\"1e300\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+     "izz=\"1\"/></inertial></link>",
+     "a", "c", "small.urdf:3: link 'c' has a mass of 1e+300 kg, expected that of an arm"},
+    {"LinkItsOwnParent", "</robot>",
+     "<joint name=\"own\" type=\"fixed\"><parent link=\"e\"/><child link=\"e\"/></joint>\n<link name=\"e\"/>\n</robot>", "a", "c",
+     "small.urdf:6: joint 'own' is part of a ring of links, expected a tree"},
+    {"RingBeside", "</robot>",
+     "<joint name=\"to\" type=\"fixed\"><parent link=\"e\"/><child link=\"f\"/></joint>\n"
+     "<joint name=\"fro\" type=\"fixed\"><parent link=\"f\"/><child link=\"e\"/></joint>\n<link name=\"e\"/><link name=\"f\"/>\n</robot>",
+     "a", "c", "is part of a ring of links, expected a tree"},
+    {"RingThroughTheTip", "<parent link=\"b\"/><child link=\"d\"/>", "<parent link=\"c\"/><child link=\"b\"/>", "a", "c",
+     "carries link 'b' as joint 'turn' does, expected a tree"},
+    {"RingOfTheWholeArm", "<parent link=\"a\"/>", "<parent link=\"c\"/>", "a", "c", "is part of a ring of links, expected a tree"},
+    {"TwoJointsCarryALink", "<child link=\"d\"/>", "<child link=\"c\"/>", "a", "c",
+     "carries link 'c' as joint 'slide' does, expected a tree"},
+    {"NotUtf8", "\"turn\"", "\"dr\xe4hen\"", "a", "c", "small.urdf:3: byte 0xE4 is not UTF-8"},
+    {"XacroElement", "<joint name=\"weld\"", "<xacro:property name=\"reach\" value=\"0.4\"/>\n<joint name=\"weld\"", "a", "c",
+     "small.urdf:5: is a xacro, expected it expanded: xacro arm.urdf.xacro > arm.urdf"},
+    {"XacroExpression", "<child link=\"c\"/>", "<child link=\"c\"/><origin xyz=\"${reach} 0 0\"/>", "a", "c", "small.urdf:4: is a xacro"},
+    {"XacroArgument", "name=\"small\"", "name=\"$(arg name)\"", "a", "c", "small.urdf:1: is a xacro"},
     {"Limits", "lower=\"-1\"", "lower=\"2\"", "a", "c", "small.urdf:3: joint 'turn' has limits 2.0 to 1.0, expected lower < upper"},
 };
 
@@ -167,6 +196,38 @@ TEST_P(BadUrdfFile, IsRefusedOnceAndQuietly) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Urdf, BadUrdfFile, ::testing::ValuesIn(kBadUrdfs), [](const auto& bad) { return std::string(bad.param.what); });
+
+TEST(Urdf, AnExpandedXacroKeepsItsNamespace) {
+  const test::TempFolder folder;
+  std::string text = kSmall;
+  text.replace(text.find("<robot"), 6, "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"");
+  EXPECT_EQ(readUrdf(folder.write("small.urdf", text), "a", "c").jointCount(), 2);
+}
+
+TEST(Urdf, WhatBeginsAsXmlIsAUrdfWhateverItsName) {
+  const test::TempFolder folder;
+  EXPECT_EQ(readArm(folder.write("robot.yaml", std::string("\n  ") + kSmall), "a", "c").jointCount(), 2);
+  EXPECT_THAT([&] { readArm(folder.write("arm.urdf", "format: poecal-robot/1\n"), "a", "c"); },
+              Throws<FileError>(Property(&FileError::what, HasSubstr("arm.urdf:1: not valid XML"))));
+}
+
+TEST(Urdf, AChainOfManyLinksIsAddedUp) {
+  constexpr int kLinks = 20'000;
+  std::string text =
+      "<robot name=\"rope\">\n<link name=\"base\"/>\n"
+      "<joint name=\"turn\" type=\"continuous\"><parent link=\"base\"/><child link=\"l0\"/><axis xyz=\"0 0 1\"/></joint>\n";
+  for (int k = 0; k < kLinks; ++k) {
+    text += fmt::format(
+        "<link name=\"l{}\"><inertial><mass value=\"0.5\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+        "izz=\"1\"/></inertial></link>\n",
+        k);
+    if (k > 0) text += fmt::format("<joint name=\"j{0}\" type=\"fixed\"><parent link=\"l{1}\"/><child link=\"l{0}\"/></joint>\n", k, k - 1);
+  }
+  const test::TempFolder folder;
+  const Arm arm = readUrdf(folder.write("rope.urdf", text + "</robot>\n"), "base", "l0");
+  ASSERT_EQ(arm.links.size(), 1u);
+  EXPECT_EQ(arm.links[0].mass, 0.5 * kLinks);
+}
 
 TEST(Urdf, FloatingAndMimicJointsElsewhereDoNotMatter) {
   const test::TempFolder folder;

@@ -139,7 +139,7 @@ TEST(Scene, ErrorsNameLineAndExpectation) {
       errorOf("effects: [{effect: corner_bias, location: detector, parameters: {outward: 0.1}}]\n"),
       HasSubstr("scene.yaml:8: effects: corner_bias moves single points, which pictures cannot show, expected corners: {sigma: ...}"));
   EXPECT_THAT(errorOf("colour: red\n"), HasSubstr("scene.yaml:8: unknown key 'colour'"));
-  EXPECT_THAT(errorOf("samples: {count: 0}\n"), HasSubstr("scene.yaml:8: samples.count: is 0, expected 1 or more"));
+  EXPECT_THAT(errorOf("samples: {count: 0}\n"), HasSubstr("scene.yaml:8: samples.count: is 0, expected 1 to 1000000"));
   EXPECT_THAT(errorOf("samples: {file: samples.csv}\n"), HasSubstr("scene.yaml:8: samples.file: 'samples.csv' is not there"));
   EXPECT_THAT(errorOf("samples: {file: robot.yaml, count: 3}\n"), HasSubstr("scene.yaml:8: unknown key 'count'"));
   EXPECT_THAT(errorOf("image: {}\ncorners: {sigma: 0.1}\n"), HasSubstr("scene.yaml:9: corners: stands beside image"));
@@ -148,7 +148,7 @@ TEST(Scene, ErrorsNameLineAndExpectation) {
               HasSubstr("scene.yaml:10: image.like: stands beside blur, expected one of the two"));
   EXPECT_THAT(errorOf("image: {like: looks.csv, noise: 2}\n"), HasSubstr("scene.yaml:8: image.like: stands beside noise"));
   EXPECT_THAT(errorOf("image: {like: looks.csv}\n"), HasSubstr("scene.yaml:8: image.like: 'looks.csv' is not there"));
-  EXPECT_THAT(errorOf("corners: {sigma: -1}\n"), HasSubstr("scene.yaml:8: corners.sigma: is -1.0, expected 0 or more"));
+  EXPECT_THAT(errorOf("corners: {sigma: -1}\n"), HasSubstr("scene.yaml:8: corners.sigma: is -1.0, expected 0 to 1000.0"));
   EXPECT_THAT(errorOf("errors: {seed: 1, position: 0, rotation: 0}\nactual: robot.yaml\n"),
               HasSubstr("scene.yaml:9: actual: stands beside errors"));
   EXPECT_THAT(errorOf("errors: {seed: 1, position: 0}\n"), HasSubstr("scene.yaml:8: errors: key 'rotation' is missing"));
@@ -157,6 +157,33 @@ TEST(Scene, ErrorsNameLineAndExpectation) {
               HasSubstr("scene.yaml:9: intrinsics: needs pictures"));
   EXPECT_THAT(errorOf("intrinsics: {target: points.yaml, count: 3}\n"),
               HasSubstr("scene.yaml:8: intrinsics.target: single points cannot be drawn"));
+}
+
+TEST(Scene, FiguresThatNobodyMeansAreRefused) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"samples: {count: 1000000000}\n", "samples.count: is 1000000000, expected 1 to 1000000"},
+      {"samples: {count: 10, repeats: 1000000000}\n", "samples.repeats: is 1000000000, expected 1 to 100000"},
+      {"samples: {count: 1000, repeats: 1001}\n", "samples.repeats: is 1001, expected 1 to 1000"},
+      {"intrinsics: {target: board.yaml, count: 1000000000}\n", "intrinsics.count: is 1000000000, expected 1 to 10000"},
+      {"image: {blur: 1e9}\n", "image.blur: is 1000000000.0, expected 0 to 30.0"},
+      {"image: {blur: 31}\n", "image.blur: is 31.0, expected 0 to 30.0"},
+      {"image: {noise: 256}\n", "image.noise: is 256.0, expected 0 to 255.0"},
+      {"corners: {sigma: 1e20}\n", "corners.sigma: is 1.0e+20, expected 0 to 1000.0"},
+      {"errors: {seed: 1, position: 600, rotation: 0}\n", "errors.position: is 600.0, expected 0 to 1.0"},
+  };
+  for (const auto& [rest, says] : cases) EXPECT_THAT(errorOf(rest), HasSubstr(std::string("scene.yaml:8: ") + says));
+  const TempFolder folder;
+  folder.write("looks.csv", "blur,noise\n0.7,2\n1000000,2\n");
+  EXPECT_THAT(
+      [&] { smallScene(folder, "image: {like: looks.csv}\n"); },
+      ::testing::Throws<FileError>(::testing::Property(&FileError::what, HasSubstr("looks.csv:3: blur is 1000000.0, expected 0 to 30.0"))));
+  test::writeScene(folder, "");
+  std::string camera = readTextFile(folder.path() / "camera.yaml");
+  camera.replace(camera.find("320"), 3, "20000").replace(camera.find("240"), 3, "20000");
+  folder.write("camera.yaml", camera);
+  EXPECT_THAT(
+      [&] { readScene(folder.path() / "scene.yaml"); },
+      ::testing::Throws<FileError>(::testing::Property(&FileError::what, HasSubstr("scene.yaml:4: camera: has 20000 x 20000 pixels"))));
 }
 
 TEST(Scene, SinglePointsNeedCornersWithoutPictures) {

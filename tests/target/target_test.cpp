@@ -86,6 +86,8 @@ TEST(Target, ImpossibleTargetsAreRefused) {
   EXPECT_THAT([&] { apriltagTarget("tag36h11", {{1, 0.1, I}, {1, 0.2, I}}); }, refused("tag id 1 is there twice"));
   EXPECT_THAT([&] { apriltagTarget("tag36h11", {{1, 0.0, I}}); }, refused("size of a tag is 0, expected a positive length"));
   EXPECT_THAT([&] { apriltagTarget("tag36h11", {{1, NAN, I}}); }, refused("size of a tag is nan"));
+  EXPECT_THAT([&] { apriltagTarget("tag36h11", {{1, 80.0, I}}); }, refused("size of a tag is 80 m, expected at most 3 m: millimetres?"));
+  EXPECT_THAT([&] { chessboardTarget(9, 6, 30.0); }, refused("square is 30 m, expected at most 3 m"));
   EXPECT_THAT([&] { apriltagTarget("tag36h11", {{587, 0.1, I}}); }, refused("tag id 587 does not exist, tag36h11 has ids 0 to 586"));
   EXPECT_THAT([&] { aprilgridTarget("tag16h5", 6, 6, 0.1, 0.3, 0); }, refused("tag id 35 does not exist"));
   EXPECT_THAT([&] { aprilgridTarget("tag36h11", 6, 6, 0.1, 0.0, 0); }, refused("tagSpacing is 0"));

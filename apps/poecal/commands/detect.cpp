@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "poecal/calibration/load_capture.hpp"
+#include "poecal/calibration/outputs.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/detection/detect_capture.hpp"
@@ -91,6 +92,11 @@ What was found is kept in .stages/ beside the output: another run detects only i
 int run(Arguments& arguments, const Common& common) {
   const bool whole = arguments.part.empty();
   Capture capture = openCapture(arguments.capture);
+  // Corners found earlier are no input here: they may be what is found again.
+  std::vector<std::filesystem::path> inputs = filesOf(capture, false);
+  if (!arguments.capture.intrinsics.empty()) inputs.push_back(arguments.capture.intrinsics);
+  if (whole) inputs.insert(inputs.end(), arguments.known.begin(), arguments.known.end());
+  requireOutputs(whole ? std::vector{arguments.out, picturesFile(arguments.out)} : std::vector{arguments.out}, inputs);
   if (!whole) keepPart(parsePart(arguments.part), capture.table.samples);
   TerminalListener listener(common);
   arguments.detect.jobs = common.jobs;

@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "poecal/calibration/outputs.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/core/printable.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/identification/model.hpp"
 #include "poecal/robot/robot_file.hpp"
@@ -54,7 +56,7 @@ void summarise(const Common& common, const ExportOptions& options, const Arm& no
   nlohmann::json joints = nlohmann::json::array();
   for (std::size_t k = 0; k < calibrated.joints.size(); ++k) {
     const AxisOffset offset = axisOffset(nominal.joints[k], calibrated.joints[k]);
-    text += fmt::format("{:20} {:>10.3f} {:>12.3f}\n", nominal.joints[k].name, 1e3 * offset.shift, 1e3 * offset.tilt);
+    text += fmt::format("{:20} {:>10.3f} {:>12.3f}\n", printableLine(nominal.joints[k].name), 1e3 * offset.shift, 1e3 * offset.tilt);
     joints.push_back({{"name", nominal.joints[k].name}, {"shift", offset.shift}, {"tilt", offset.tilt}});
   }
   printSummary(common, text,
@@ -65,12 +67,7 @@ int runExport(ExportOptions options, const Common& common) {
   const Model model = readModel(options.model);
   const Arm& calibrated = *model.cell.arm;
   chooseLinks(options, model);
-  for (const std::filesystem::path& input : {options.model, options.urdf}) {
-    std::error_code out_is_not_there;
-    if (std::filesystem::equivalent(input, options.out, out_is_not_there)) {
-      throw InvalidArgument(fmt::format("--out {} is an input itself, expected another file", options.out.string()));
-    }
-  }
+  requireOutputs({options.out}, {options.model, options.urdf});
   warnOfEffects(model);
   const Arm nominal = readUrdf(options.urdf, options.base_link, options.tip_link);
   writeTextFile(options.out, correctedUrdf(options.urdf, options.base_link, options.tip_link, calibrated));

@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "poecal/calibration/fleet.hpp"
+#include "poecal/calibration/outputs.hpp"
 #include "poecal/core/text.hpp"
 #include "terminal.hpp"
 
@@ -76,6 +77,11 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
   app.add_option("--out", options->out, "The table to write (fleet.csv)")->required();
   app.footer(kExample);
   return [options, &common] {
+    std::vector<std::filesystem::path> inputs;
+    for (const std::filesystem::path& folder : options->folders) {
+      for (const char* name : {"registration.yaml", "identification.json", "diagnosis.json"}) inputs.push_back(folder / name);
+    }
+    requireOutputs({options->out}, inputs);
     std::vector<ResultSummary> results;
     nlohmann::json captures = nlohmann::json::array();
     for (const std::filesystem::path& folder : options->folders) {

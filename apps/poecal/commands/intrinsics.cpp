@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "poecal/calibration/board_folder.hpp"
+#include "poecal/calibration/outputs.hpp"
 #include "poecal/camera/intrinsics.hpp"
 #include "terminal.hpp"
 
@@ -116,6 +117,7 @@ int run(const Arguments& arguments, const Common& common) {
   IntrinsicsOptions options;
   options.model = findDistortionModel(arguments.model).value();
   options.robust = !arguments.plain;
+  requireOutputs({arguments.out, residualsFile(arguments.out)}, filesOfBoard(arguments.folder));
   TerminalListener listener(common);
   const IntrinsicsResult result = calibrateBoardFolder(arguments.folder, options, common.jobs, arguments.out, listener);
   printSummary(common, summaryText(arguments, result), summaryJson(arguments, result));

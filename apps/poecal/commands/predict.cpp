@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "poecal/calibration/outputs.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/capture/detections.hpp"
 #include "poecal/capture/row_order.hpp"
@@ -77,6 +78,9 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
     const Model model = readModel(options->model);
     Capture capture;
     if (!options->capture.empty()) capture = readCapture(options->capture);
+    std::vector<std::filesystem::path> inputs = filesOf(capture, true);
+    inputs.insert(inputs.end(), {options->model, options->joints});
+    requireOutputs({options->out}, inputs);
     std::vector<Sample> samples = options->joints.empty() ? capture.table.samples : readJoints(options->joints, *model.cell.arm);
     for (const Sample& sample : samples) {
       if (sample.q.size() != model.cell.arm->jointCount()) {

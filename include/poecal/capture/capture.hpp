@@ -21,7 +21,7 @@ const char* setupName(Setup setup);  ///< "eye_to_hand", "eye_in_hand"
 
 /// One row of samples.csv or poses.csv. Vectors are empty and optionals unset where the file has no such column.
 struct Sample {
-  std::string image;                               ///< as written in the file; empty for poses.csv
+  std::string image;                               ///< imageName() of what the file has; empty for poses.csv
   int line = 0;                                    ///< 1-based line in its file
   Eigen::VectorXd q;                               ///< joint readings [rad] or [m]
   std::optional<Eigen::Isometry3d> T_base_flange;  ///< as the controller reports it
@@ -42,6 +42,7 @@ struct SampleTable {
 /// capture.yaml with everything it names but the pictures.
 struct Capture {
   std::filesystem::path folder;
+  std::vector<std::filesystem::path> files;  ///< that were read: the manifest and what it names, but neither detections nor pictures
   std::string name;
   Setup setup = Setup::kEyeToHand;
   std::optional<Arm> arm;

@@ -34,10 +34,22 @@ struct Detections {
   const ImageCorners* find(const std::string& image) const;
 };
 
-/// Reads detections.csv. @throws FileError with the line: not a number, a corner that the target does not have (say which tags it has),
-/// the same corner of a picture twice, a sigma that is not positive. Further columns are ignored.
+/// Width and height of pictures [px].
+struct PictureSize {
+  int width = 0, height = 0;
+  double pixels() const { return static_cast<double>(width) * height; }
+  bool operator==(const PictureSize&) const = default;
+};
+constexpr double kMostPixels = 2e8;  ///< larger pictures are not read: no camera takes them, and they fill the memory
+
+/// Reads detections.csv. Images are named as imageName() does.
+/// @throws FileError with the line: not a number, a corner that the target does not have (say which tags it has), the same corner of a
+/// picture twice, a sigma that is not positive, a corner that lies outside of its picture by more than 1 % of the picture's side: it was
+/// taken from pictures of another size, or is no corner. Columns beyond the contract's are passed over.
 /// @param also_in_view  a second target (a reference) whose corners the file may hold too: they are left out here. nullptr: none.
-Detections readDetections(const std::filesystem::path& file, const Target& target, const Target* also_in_view = nullptr);
+/// @param size          of the pictures; nothing: not known, and every corner within 1e6 px may be one.
+Detections readDetections(const std::filesystem::path& file, const Target& target, const Target* also_in_view = nullptr,
+                          const std::optional<PictureSize>& size = std::nullopt);
 /// The sigma column is written only where some corner states one.
 std::string detectionsCsv(const Detections& detections);
 

@@ -10,6 +10,9 @@ namespace poecal {
 
 struct Detections;
 
+constexpr double kLargestBlur = 30.0;    ///< [px]; what is blurred more is no picture of anything
+constexpr double kLargestNoise = 255.0;  ///< [grey levels of 255]
+
 /// Blur and noise mean the same as in a scene's `image:`.
 struct PictureLook {
   double blur = 0.0;    ///< standard deviation of the lens's point spread, without the pixel's own square [px]
@@ -27,7 +30,7 @@ std::filesystem::path picturesFile(const std::filesystem::path& detections);
 std::string picturesCsv(const Detections& detections);
 
 /// Looks in the order of the rows. Other columns are ignored; a missing growth is 0.
-/// @throws FileError with the line: not a number, a blur or noise below 0; line 1 where there is no row.
+/// @throws FileError with the line: not a number, a blur or noise below 0 or above its largest; line 1 where there is no row.
 std::vector<PictureLook> readPictureLooks(const std::filesystem::path& file);
 
 }  // namespace poecal

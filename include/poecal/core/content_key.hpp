@@ -8,7 +8,11 @@
 
 namespace poecal {
 
-/// 128 bits of XXH3 over the program's version and everything added, in order. The borders between the pieces count too:
+/// 128 bits of XXH3 over `bytes` alone, 32 hexadecimal digits: whether a file is as it was, whichever build asks.
+std::string checksum(std::string_view bytes);
+
+/// 128 bits of XXH3 over the program's version, the key of its build and everything added, in order. The borders between the pieces count
+/// too:
 /// ("ab", "c") and ("a", "bc") differ.
 class ContentKey {
  public:

@@ -39,6 +39,14 @@ class ImplausibleInput : public Error {
   explicit ImplausibleInput(const std::string& message) : Error(message, 3) {}
 };
 
+/// The machine has too little memory for what was asked: nothing is wrong with the input, and nothing is known of it either. Exit status 3.
+class OutOfMemory : public Error {
+ public:
+  /// @param what_for  "to search images/0001.png"
+  explicit OutOfMemory(const std::string& what_for)
+      : Error("memory: there is not enough " + what_for + ", expected more of it (--jobs 1 needs least)", 3) {}
+};
+
 /// The data cannot support what was asked: too few poses, no motion about some axis. Exit status 4.
 class InsufficientData : public Error {
  public:

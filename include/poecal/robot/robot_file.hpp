@@ -11,7 +11,7 @@ namespace poecal {
 
 /// Reads robot.yaml (format poecal-robot/1).
 /// @throws FileError with the line: unknown or missing keys, axis not of unit length (1e-6; within it is normalised), a revolute joint
-/// without point, limits that are not lower < upper, no joints, links not one per joint.
+/// without point, limits that are not lower < upper, no joints, links not one per joint, a point further than 50 m from the base.
 Arm readRobotYaml(const std::filesystem::path& file);
 /// Text of robot.yaml; reads back with the same bits in every figure but gamma, which passes through the flange's pose (1e-15).
 std::string robotYaml(const Arm& arm);
@@ -20,7 +20,8 @@ std::string robotYaml(const Arm& arm);
 /// inertials become links. The mass of a body behind fixed joints, or on a side branch such as a gripper finger (at zero), counts for the
 /// joint that carries it; without any inertial there are no links. A joint whose limits name no range has none.
 /// @throws FileError: unreadable URDF, a link that is not there (the message lists those that are), a tip that does not lie below the base,
-/// a mimic, floating or planar joint inside the chain, no moving joint.
+/// a mimic, floating or planar joint inside the chain, no moving joint, links that form no tree, a joint further than 50 m from the base;
+/// a xacro, with the command that expands it.
 Arm readUrdf(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link);
 
 /// The links at which the chains of a URDF begin and end.
@@ -33,7 +34,10 @@ struct UrdfEnds {
 /// @throws FileError: unreadable URDF.
 UrdfEnds urdfEnds(const std::filesystem::path& file);
 
-/// Reads robot.yaml or, by its ending, a URDF, whose links must then be named. @throws FileError as the two readers; InvalidArgument where
+/// Whether a robot's file is a URDF: by its ending, or because it begins as XML does. @throws FileError where it cannot be read.
+bool isUrdf(const std::filesystem::path& file);
+
+/// Reads robot.yaml or a URDF (isUrdf()), whose links must then be named. @throws FileError as the two readers; InvalidArgument where
 /// links are missing.
 Arm readArm(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link);
 
