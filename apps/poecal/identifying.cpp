@@ -7,6 +7,7 @@
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/registration/implausible.hpp"
 
 namespace poecal::app {
 namespace {
@@ -123,7 +124,7 @@ Identification identifyInputs(const CaptureInputs& inputs, IdentifyOptions optio
     identification =
         identify(inputs.cell, inputs.observations, observationGroups(inputs.observations, capture.table.samples), options, registration);
   } catch (const ImplausibleInput& suspicion) {
-    throw FileError(capture.table.file, 1, suspicion.what());
+    throw fileErrorOf(suspicion, capture);
   }
   Model& model = identification.model;
   model.target = capture.target;
@@ -148,7 +149,11 @@ Identification identifyTable(const Arm& arm, const PoseTable& table, IdentifyOpt
     options.sigmas_stated = options.sigmas_stated && pose.sigma_position && (pose.sigma_rotation || pose.position_only);
   }
   const std::vector<Observation> observations = instrumentObservations(table);
-  return identify(cell, observations, observationGroups(observations, samplesOf(table)), options);
+  try {
+    return identify(cell, observations, observationGroups(observations, samplesOf(table)), options);
+  } catch (const ImplausibleInput& suspicion) {
+    throw fileErrorOf(suspicion, table);
+  }
 }
 
 Identifying identifyCapture(const CaptureInputs& inputs, const IdentifyOptions& options, const std::filesystem::path& out,

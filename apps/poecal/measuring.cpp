@@ -1,6 +1,8 @@
 #include "measuring.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -9,13 +11,15 @@
 #include "poecal/core/csv.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/registration/implausible.hpp"
 
 namespace poecal::app {
 namespace {
 
 std::string registrationYaml(const CaptureInputs& inputs, const RegistrationResult& result) {
   const Registration& registration = result.cell.registration;
-  const Eigen::VectorXd deviation = result.adjustment.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  Eigen::VectorXd deviation = result.adjustment.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (const int open : result.open) deviation(open) = std::numeric_limits<double>::infinity();
   const auto block = [&deviation](int begin) {
     return fmt::format("{{rotation: {}, translation: {}}}", yamlVector(deviation.segment<3>(begin)),
                        yamlVector(deviation.segment<3>(begin + 3)));
@@ -32,6 +36,18 @@ std::string registrationYaml(const CaptureInputs& inputs, const RegistrationResu
                       inputs.observations.size(), left_out);
   text += fmt::format("rms_px: {}\nrms_all_px: {}\nfree_rms_px: {}\ncorner_sigma_px: {}\n", formatNumber(result.rms_px),
                       formatNumber(result.rms_all_px), formatNumber(result.free_rms_px), formatNumber(result.corner_sigma_px));
+  return text;
+}
+
+/// Three coordinates [m]; those that an open direction moves are marked.
+std::string placeText(const Eigen::Vector3d& place, const std::optional<Eigen::Vector3d>& open_axis) {
+  // A smaller component of the direction is that of noise in it.
+  constexpr double kAlong = 0.02;
+  std::string text;
+  for (int k = 0; k < 3; ++k) {
+    const bool open = open_axis && std::abs((*open_axis)(k)) > kAlong;
+    text += fmt::format("{}{:.4f}{}", k == 0 ? "" : " ", place(k), open ? " (open)" : "");
+  }
   return text;
 }
 
@@ -75,7 +91,7 @@ Measuring measureCapture(const CaptureInputs& inputs, const std::filesystem::pat
   try {
     result = registerCell(inputs.cell, inputs.observations, {});
   } catch (const ImplausibleInput& suspicion) {
-    throw FileError(inputs.capture.table.file, 1, suspicion.what());
+    throw fileErrorOf(suspicion, inputs.capture);
   }
   warnAll(result.warnings);
   writeTextFile(out / "registration.yaml", registrationYaml(inputs, result));
@@ -94,7 +110,13 @@ Measuring measureCapture(const CaptureInputs& inputs, const std::filesystem::pat
   measuring.text =
       fmt::format("registered {} pictures: {:.3f} px rms ({:.3f} px with every picture, {:.3f} px with a free pose for each)\n",
                   result.samples.size(), result.rms_px, result.rms_all_px, result.free_rms_px);
-  measuring.text += fmt::format("  camera in {}: {:.4f} {:.4f} {:.4f} m\n", registration.nearFrame(), camera.x(), camera.y(), camera.z());
+  measuring.text += fmt::format("  camera in {}: {} m\n", registration.nearFrame(), placeText(camera, result.open_axis));
+  if (result.open_axis) {
+    const Eigen::Vector3d& axis = *result.open_axis;
+    measuring.text +=
+        fmt::format("  open: along ({:.3f} {:.3f} {:.3f}) of the {}, the one axis of all turns, nothing says where the camera is\n",
+                    axis.x(), axis.y(), axis.z(), registration.nearFrame());
+  }
   measuring.text += left_out;
   if (!inputs.cell.arm) measuring.text += "  no joint readings: only registration is possible, the arm cannot be identified\n";
   measuring.json = {{"pictures", result.samples.size()}, {"rms_px", result.rms_px}, {"rms_all_px", result.rms_all_px},
