@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -24,7 +25,8 @@ const RegistrationResult& registrationOf(const Calibration& calibration) {
 std::string registrationYaml(const Calibration& calibration, const Measurements& measurements) {
   const RegistrationResult& result = registrationOf(calibration);
   const Registration& registration = result.cell.registration;
-  const Eigen::VectorXd deviation = result.adjustment.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  Eigen::VectorXd deviation = result.adjustment.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (const int open : result.open) deviation(open) = std::numeric_limits<double>::infinity();
   const auto block = [&deviation](int begin) {
     return fmt::format("{{rotation: {}, translation: {}}}", yamlVector(deviation.segment<3>(begin)),
                        yamlVector(deviation.segment<3>(begin + 3)));

@@ -6,18 +6,19 @@
 #include "calibration/kept_result.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/registration/implausible.hpp"
 #include "poecal/robot/robot_file.hpp"
 
 namespace poecal {
 namespace {
 
-/// calibrate(), whose suspicions are then about a file.
-Calibration calibrateFile(const std::filesystem::path& file, const Cell& nominal, const Measurements& measurements,
-                          const CalibrateOptions& options) {
+/// calibrate(), whose suspicions are then about a file of `source`.
+template <typename Source>
+Calibration calibrateFrom(const Source& source, const Cell& nominal, const Measurements& measurements, const CalibrateOptions& options) {
   try {
     return calibrate(nominal, measurements, options);
   } catch (const ImplausibleInput& suspicion) {
-    throw FileError(file, 1, suspicion.what());
+    throw fileErrorOf(suspicion, source);
   }
 }
 
@@ -43,7 +44,7 @@ CalibrationRun runCapture(const CaptureSource& source, const std::filesystem::pa
   const Capture& capture = loaded.capture;
   requireJoints(capture, files);
   CalibrationRun run;
-  run.calibration = calibrateFile(capture.table.file, loaded.nominal, loaded.measurements, options);
+  run.calibration = calibrateFrom(capture, loaded.nominal, loaded.measurements, options);
   run.measurements = std::move(loaded.measurements);
   if (!source.identified.empty()) requireIdentified(source.identified, run.calibration, run.measurements);
   nameUrdf(capture.robot_file, capture.base_link, capture.tip_link, run.calibration);
@@ -60,8 +61,9 @@ CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& 
   Cell nominal;
   nominal.arm = readArm(source.robot, source.base_link, source.tip_link);
   CalibrationRun run;
-  run.measurements = measurementsOf(readPoses(source.poses, *nominal.arm));
-  run.calibration = calibrateFile(source.poses, nominal, run.measurements, options);
+  const PoseTable table = readPoses(source.poses, *nominal.arm);
+  run.measurements = measurementsOf(table);
+  run.calibration = calibrateFrom(table, nominal, run.measurements, options);
   listener.warnings(run.calibration.warnings);
   writeResults(run.calibration, run.measurements, files, out);
   return run;

@@ -177,13 +177,12 @@ void requireSeveralPoses(const std::filesystem::path& file, const std::vector<Sa
   if (samples.empty()) throw InsufficientData(file.string() + ": no rows, expected one per pose");
   // A single row is a legitimate file; what needs more poses says so itself.
   if (samples.size() == 1) return;
-  constexpr double kSame = 1e-6;  // [rad], [m]: below the resolution of any arm's encoders
   const bool joints = samples.front().q.size() > 0;
   if (!joints && !samples.front().T_base_flange) return;
   const auto isFirst = [&](const Sample& sample) {
-    if (joints) return (sample.q - samples.front().q).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kSame;
+    if (joints) return (sample.q - samples.front().q).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kSameReading;
     const Eigen::Isometry3d T = samples.front().T_base_flange->inverse() * *sample.T_base_flange;
-    return T.translation().norm() <= kSame && rotationAngle(T.linear()) <= kSame;
+    return T.translation().norm() <= kSameReading && rotationAngle(T.linear()) <= kSameReading;
   };
   if (std::all_of(samples.begin(), samples.end(), isFirst)) {
     throw InsufficientData(fmt::format("{}: all {} rows have the same {}, expected poses that differ", file.string(), samples.size(),

@@ -13,6 +13,9 @@
 
 namespace poecal {
 
+/// Readings that differ by less are those of one pose [rad], [m]: below the resolution of any arm's encoders.
+constexpr double kSameReading = 1e-6;
+
 /// The columns of one table, found once by their names.
 class SampleColumns {
  public:

@@ -29,6 +29,49 @@ std::optional<std::array<std::size_t, 7>> findPoseColumns(const CsvTable& table)
   return columns;
 }
 
+/// Where the arm was, as numbers: its joint readings, or the flange pose where there are none; empty where there is neither.
+Eigen::VectorXd readingOf(const Sample& sample) {
+  if (sample.q.size() > 0 || !sample.T_base_flange) return sample.q;
+  Eigen::VectorXd reading(12);
+  reading << sample.T_base_flange->translation(), sample.T_base_flange->linear().reshaped();
+  return reading;
+}
+
+/// Groups of equal readings. A row is compared with the first of a group, so that a slow motion is not one pose.
+class EqualReadings {
+ public:
+  explicit EqualReadings(const std::vector<Sample>& samples) {
+    readings_.reserve(samples.size());
+    for (const Sample& sample : samples) readings_.push_back(readingOf(sample));
+    if (readings_.empty() || readings_.front().size() == 0) return;
+    // Sorted by the number that varies most, few rows have to be compared.
+    Eigen::VectorXd lowest = readings_.front(), highest = lowest;
+    for (const Eigen::VectorXd& reading : readings_) {
+      lowest = lowest.cwiseMin(reading);
+      highest = highest.cwiseMax(reading);
+    }
+    (highest - lowest).maxCoeff(&key_);
+  }
+
+  /// The group of row k; `fresh` where its reading is new.
+  std::size_t groupOf(std::size_t k, std::size_t fresh) {
+    const Eigen::VectorXd& reading = readings_[k];
+    if (reading.size() == 0) return fresh;
+    for (auto first = firsts_.lower_bound(reading(key_) - kSameReading);
+         first != firsts_.end() && first->first <= reading(key_) + kSameReading; ++first) {
+      const auto& [row, group] = first->second;
+      if ((reading - readings_[row]).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kSameReading) return group;
+    }
+    firsts_.emplace(reading(key_), std::pair(k, fresh));
+    return fresh;
+  }
+
+ private:
+  std::vector<Eigen::VectorXd> readings_;
+  Eigen::Index key_ = 0;
+  std::multimap<double, std::pair<std::size_t, std::size_t>> firsts_;  ///< key -> (row, group)
+};
+
 }  // namespace
 
 SampleTable readSamples(const std::filesystem::path& file, int joint_count, const Arm* limits_of) {
@@ -83,9 +126,14 @@ std::string samplesCsv(const SampleTable& table) {
 std::vector<std::vector<std::size_t>> poseGroups(const std::vector<Sample>& samples) {
   std::vector<std::vector<std::size_t>> groups;
   std::map<long, std::size_t> group_of_pose;
+  EqualReadings equal(samples);
   for (std::size_t k = 0; k < samples.size(); ++k) {
     std::size_t group = groups.size();
-    if (samples[k].pose) group = group_of_pose.emplace(*samples[k].pose, group).first->second;
+    if (samples[k].pose) {
+      group = group_of_pose.emplace(*samples[k].pose, group).first->second;
+    } else {
+      group = equal.groupOf(k, group);
+    }
     if (group == groups.size()) groups.emplace_back();
     groups[group].push_back(k);
   }

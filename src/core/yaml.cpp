@@ -174,7 +174,10 @@ void YamlNode::checkFormat(const char* expected) const {
 
 std::string yamlVector(const Eigen::VectorXd& values) {
   std::string text = "[";
-  for (Eigen::Index k = 0; k < values.size(); ++k) text += (k > 0 ? ", " : "") + formatNumber(values(k));
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    text += k > 0 ? ", " : "";
+    text += std::isinf(values(k)) ? (values(k) > 0.0 ? ".inf" : "-.inf") : formatNumber(values(k));
+  }
   return text + "]";
 }
 

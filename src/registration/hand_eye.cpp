@@ -88,6 +88,17 @@ int rotationDirections(const std::vector<Eigen::Isometry3d>& T_near_far) {
   return isOneDirection(scatterOf(turns.near)) ? 1 : 2;
 }
 
+std::optional<Eigen::Vector3d> onlyAxis(const std::vector<Eigen::Isometry3d>& T_near_far) {
+  const Turns turns = relativeTurns(T_near_far, nullptr);
+  if (turns.near.empty()) return std::nullopt;
+  const auto scatter = scatterOf(turns.near);
+  if (!isOneDirection(scatter)) return std::nullopt;
+  Eigen::Vector3d axis = scatter.eigenvectors().col(2);
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  return axis(largest) < 0.0 ? Eigen::Vector3d(-axis) : axis;
+}
+
 std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>& T_camera_target,
                                     Setup setup) {
   const Turns turns = relativeTurns(T_near_far, &T_camera_target);

@@ -16,7 +16,10 @@ constexpr std::size_t kMinimalSet = 4;
 constexpr std::size_t kKept = 5;
 // Scoring all of ten thousand pictures for every hypothesis would buy nothing.
 constexpr std::size_t kScored = 150;
-constexpr double kAgreeing = 0.6;
+// Nearly half of the samples may be wrong.
+constexpr double kAgreeing = 0.5;
+// A turn [rad] or a way [m] that tells two poses apart.
+constexpr double kSamePose = 1e-6;
 
 std::optional<Registration> registrationOf(Setup setup, const std::vector<Eigen::Isometry3d>& near_far,
                                            const std::vector<Eigen::Isometry3d>& targets) {
@@ -54,7 +57,38 @@ std::optional<Registration> refit(const Hypothesis& hypothesis, const std::vecto
   return registrationOf(hypothesis.registration.setup, near_far, targets);
 }
 
+/// Draws samples of different poses to the front of `usable`; false where there are not enough of them among a few dozen draws.
+bool drawDifferent(Rng& rng, std::size_t count, const std::vector<HypothesisSample>& samples, std::vector<std::size_t>& usable) {
+  int attempts = 40;
+  for (std::size_t k = 0; k < count; ++k) {
+    bool repeated = true;
+    while (repeated && attempts-- > 0) {
+      std::swap(usable[k], usable[k + rng.below(usable.size() - k)]);
+      const Eigen::Isometry3d& drawn = samples[usable[k]].T_near_far;
+      repeated = std::any_of(usable.begin(), usable.begin() + static_cast<std::ptrdiff_t>(k),
+                             [&](std::size_t earlier) { return samePose(samples[earlier].T_near_far, drawn); });
+    }
+    if (repeated) return k >= 3;
+  }
+  return true;
+}
+
 }  // namespace
+
+bool samePose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return (a.translation() - b.translation()).norm() <= kSamePose && (a.linear() - b.linear()).norm() <= kSamePose;
+}
+
+std::size_t differentPoses(const std::vector<HypothesisSample>& samples, std::size_t enough) {
+  std::vector<const Eigen::Isometry3d*> different;
+  for (const HypothesisSample& sample : samples) {
+    if (sample.candidates.empty()) continue;
+    const bool known = std::any_of(different.begin(), different.end(), [&](const auto* T) { return samePose(*T, sample.T_near_far); });
+    if (!known) different.push_back(&sample.T_near_far);
+    if (different.size() == enough) break;
+  }
+  return different.size();
+}
 
 std::vector<Hypothesis> searchRegistrations(Setup setup, const std::vector<HypothesisSample>& samples, const Misfit& misfit,
                                             int hypotheses) {
@@ -63,16 +97,17 @@ std::vector<Hypothesis> searchRegistrations(Setup setup, const std::vector<Hypot
     if (!samples[k].candidates.empty()) usable.push_back(k);
   }
   std::vector<Hypothesis> found;
-  const std::size_t set_size = std::min(kMinimalSet, usable.size());
+  const std::size_t set_size = differentPoses(samples, kMinimalSet);
   if (set_size < 3) return found;
   Rng rng(20130156);
   for (int trial = 0; trial < hypotheses; ++trial) {
+    if (!drawDifferent(rng, set_size, samples, usable)) continue;
     std::vector<Eigen::Isometry3d> near_far, targets;
     for (std::size_t k = 0; k < set_size; ++k) {
-      std::swap(usable[k], usable[k + rng.below(usable.size() - k)]);
       const HypothesisSample& sample = samples[usable[k]];
       near_far.push_back(sample.T_near_far);
-      targets.push_back(sample.candidates[rng.below(sample.candidates.size())]);
+      // Where many rows are wrong, few sets are right at all; every other one does not add doubt of the pictures to that.
+      targets.push_back(sample.candidates[trial % 2 == 0 ? 0 : rng.below(sample.candidates.size())]);
     }
     const std::optional<Registration> registration = registrationOf(setup, near_far, targets);
     if (registration) found.push_back({*registration, scoreOf(*registration, samples, misfit)});

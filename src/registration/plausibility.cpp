@@ -1,17 +1,21 @@
 #include "registration/plausibility.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "poecal/core/statistics.hpp"
+#include "poecal/registration/implausible.hpp"
+#include "registration/mistakes.hpp"
+#include "registration/row_order.hpp"
+#include "registration/target_size.hpp"
+
 namespace poecal {
-namespace {
-
-// A mistake explains the pictures where undoing it leaves this share of the misfit.
-constexpr double kExplains = 0.3;
-
-}  // namespace
 
 double mirroredShare(const std::vector<Observation>& observations) {
   int whole = 0, mirrored = 0;
@@ -35,28 +39,190 @@ double mirroredShare(const std::vector<Observation>& observations) {
   return whole > 0 ? static_cast<double>(mirrored) / whole : 0.0;
 }
 
-std::optional<std::string> suspectedMistake(const Cell& cell, const std::vector<Observation>& observations, double misfit_px,
-                                            double (*misfitOf)(const Cell&, const std::vector<Observation>&)) {
-  const auto explains = [&](const Cell& altered_cell, const std::vector<Observation>& altered) {
-    return misfitOf(altered_cell, altered) < kExplains * misfit_px;
-  };
-  if (cell.arm) {
-    std::vector<Observation> radians = observations;
-    for (Observation& observation : radians) {
-      for (int k = 0; k < cell.arm->jointCount(); ++k) {
-        if (cell.arm->joints[static_cast<std::size_t>(k)].type == JointType::kRevolute) observation.q(k) *= M_PI / 180.0;
+namespace {
+
+// A cell whose registration leaves less than this of what random pairings leave is taken as it is: nominal arms leave a per cent or two.
+constexpr double kSuspicious = 0.04;
+// Half of what random pairings leave: then readings and pictures have next to nothing to do with each other.
+constexpr double kHopeless = 0.5;
+// A mistake explains a registration where undoing it leaves this share, and less of what random pairings leave than this.
+constexpr double kMends = 0.3;
+constexpr double kMendedOfChance = 0.15;
+// With the arm's axes free, what is left is the pictures' and what the arm has besides its geometry.
+constexpr double kMendsCalibrated = 0.2;
+// Times the pictures' own floor: within it there is nothing to explain.
+constexpr double kNothing = 3.0;
+// Rows beside the pictures of others: beyond so many times the median, of so many rows.
+constexpr double kBeside = 5.0;
+constexpr double kManyBeside = 0.2;
+constexpr std::size_t kRows = 40;
+constexpr std::size_t kRefined = 12;
+
+struct Suspicion {
+  std::string text;
+  InputPart part = InputPart::kSamples;
+  std::optional<std::size_t> sample;
+  double misfit = 0.0, calibrated = 0.0;
+  std::string left;  ///< misfit with its unit
+};
+
+/// "0.11 px", or of poses "0.05 mm".
+std::string leftText(const Problem& problem, const Registration& registration, double misfit) {
+  if (!problem.observations.front().pose) return std::isfinite(misfit) ? fmt::format("{:.4g} px", misfit) : "pictures that show nothing";
+  std::vector<double> ways;
+  for (const HypothesisSample& sample : problem.samples) {
+    const Eigen::Isometry3d modelled = registration.T_camera_near * sample.T_near_far * registration.T_far_target;
+    ways.push_back((problem.observations[sample.observation].pose->T_camera_target.translation() - modelled.translation()).norm());
+  }
+  return fmt::format("{:.4g} mm", 1e3 * median(ways));
+}
+
+std::vector<Mistake> mistakesOf(const Problem& few, const std::vector<Observation>& observations) {
+  std::vector<Mistake> all;
+  for (std::vector<Mistake>& kind : std::array{unitMistakes(few), setupMistakes(few), poseMistakes(few), jointMistakes(few),
+                                               orderMistakes(few, observations), lensMistakes(few)}) {
+    std::move(kind.begin(), kind.end(), std::back_inserter(all));
+  }
+  return all;
+}
+
+Suspicion suspicionOf(const MispairedRows& rows, const Problem& few) {
+  const bool poses = few.observations.front().pose.has_value();
+  return {rows.text,   InputPart::kSamples, rows.sample,
+          rows.misfit, rows.misfit,         fmt::format("{:.4g} {}", rows.misfit, poses ? "of their deviations" : "px")};
+}
+
+/// The search over single mistakes in one capture.
+class MistakeSearch {
+ public:
+  MistakeSearch(const Problem& few, const Registration& registration, double misfit, double chance)
+      : few_(few), misfit_(misfit), chance_(chance), calibrated_(calibratedMisfit(few, registration)) {}
+
+  double calibrated() const { return calibrated_; }
+
+  /// Every mistake by its hypotheses alone; the best of them adjusted.
+  void tryAll(const std::vector<Mistake>& mistakes) {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t k = 0; k < mistakes.size(); ++k) {
+      Problem altered = few_;
+      mistakes[k].undo(altered);
+      order.emplace_back(quickMisfit(altered), k);
+    }
+    std::stable_sort(order.begin(), order.end());
+    order.resize(std::min(order.size(), kRefined));
+    // Simple mistakes stand before others.
+    std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    for (const auto& [quick, k] : order) {
+      if (!std::isfinite(quick)) continue;
+      Problem altered = few_;
+      mistakes[k].undo(altered);
+      consider(altered, mistakes[k].text, mistakes[k].part);
+    }
+  }
+
+  /// Sizes of the target from half to twice the stated one, beyond what an arm's lengths may err.
+  void trySizes() {
+    if (few_.observations.front().pose) return;
+    constexpr double kStep = 0.04, kFrom = -0.8, kNear = 0.1;
+    double best = std::numeric_limits<double>::infinity(), at = 0.0;
+    for (double log_size = kFrom; log_size < -kFrom + 0.5 * kStep; log_size += kStep) {
+      if (std::abs(log_size) < kNear) continue;
+      Problem scaled = few_;
+      scaleTarget(scaled, std::exp(log_size));
+      const double quick = quickMisfit(scaled);
+      if (quick < best) {
+        best = quick;
+        at = log_size;
       }
     }
-    if (explains(cell, radians)) return "joint readings that look like degrees, expected radians";
+    Problem scaled = few_;
+    scaleTarget(scaled, std::exp(at));
+    const std::optional<Consensus> found = solve(scaled, 2);
+    const std::optional<TargetSize> size = found ? fitTargetSize(scaled, found->fit.cell.registration) : std::nullopt;
+    if (!size || std::abs(std::log(size->factor) + at) < kNear) return;
+    scaleTarget(scaled, size->factor);
+    consider(scaled, sizeText(std::exp(at) * size->factor, std::exp(at) * size->deviation), InputPart::kTarget);
   }
-  Cell other = cell;
-  const bool to_hand = cell.registration.setup == Setup::kEyeToHand;
-  other.registration.setup = to_hand ? Setup::kEyeInHand : Setup::kEyeToHand;
-  if (explains(other, observations)) {
-    return fmt::format("a capture that looks like setup: {}, stated is {}", setupName(other.registration.setup),
-                       setupName(cell.registration.setup));
+
+  void considerRows(const MispairedRows& rows) {
+    if (explains(rows.misfit)) keep(suspicionOf(rows, few_));
   }
-  return std::nullopt;
+
+  const std::optional<Suspicion>& best() const { return best_; }
+
+ private:
+  bool explains(double misfit) const { return misfit <= kMends * misfit_ && misfit <= kMendedOfChance * chance_; }
+
+  void consider(const Problem& altered, const std::string& text, InputPart part) {
+    if (altered.observations.size() < std::max<std::size_t>(4, few_.observations.size() * 3 / 4)) return;
+    const std::optional<Consensus> found = solve(altered, 2);
+    if (!found || !(found->misfit < misfit_)) return;
+    const Registration& registration = found->fit.cell.registration;
+    const double calibrated = calibratedMisfit(altered, registration);
+    const bool arm_explains_rest = few_.cell.arm && calibrated <= kMendsCalibrated * calibrated_ && calibrated <= kSuspicious * chance_;
+    if (!explains(found->misfit) && !arm_explains_rest) return;
+    keep({text, part, std::nullopt, found->misfit, calibrated, leftText(altered, registration, found->misfit)});
+  }
+
+  /// The earlier one stays unless another is clearly better.
+  void keep(Suspicion suspicion) {
+    const auto left = [&](const Suspicion& one) { return few_.cell.arm ? one.calibrated : one.misfit; };
+    if (!best_ || left(suspicion) < 0.7 * left(*best_)) best_ = std::move(suspicion);
+  }
+
+  const Problem& few_;
+  double misfit_, chance_, calibrated_;
+  std::optional<Suspicion> best_;
+};
+
+/// Share of the samples far beyond the median.
+double shareBeside(const Consensus& found, const std::vector<HypothesisSample>& samples, const Misfit& misfit) {
+  double beside = 0.0;
+  for (const HypothesisSample& sample : samples) beside += !(misfit(found.fit.cell.registration, sample) <= kBeside * found.misfit);
+  return beside / static_cast<double>(samples.size());
+}
+
+[[noreturn]] void refuse(const Suspicion& suspicion, const std::string& stated) {
+  throw ImplausibleCapture(fmt::format("{} (put right, it fits to {} instead of {})", suspicion.text, suspicion.left, stated),
+                           suspicion.part, suspicion.sample);
+}
+
+}  // namespace
+
+std::string sizeText(double factor, double deviation) {
+  const bool margin = std::abs(factor - 0.8) < 0.03;
+  return fmt::format("the target is {:.3f} +- {:.3f} of its stated size{}", factor, deviation,
+                     margin ? " (white margin measured too?)" : "");
+}
+
+void requirePlausible(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
+                      const Consensus& found) {
+  const double floor = kNothing * freeMisfit(samples);
+  const bool beside = shareBeside(found, samples, misfitIn(cell, observations)) > kManyBeside;
+  if (!beside && found.misfit <= floor) return;
+  const Problem few = thinned(cell, observations, samples, kRows);
+  // Fewer poses fit any pictures.
+  if (few.observations.size() < 4) return;
+  const double chance = chanceMisfit(few);
+  const std::string stated = leftText(few, found.fit.cell.registration, found.misfit);
+  const bool suspicious = found.misfit >= kSuspicious * chance;
+  if (!beside && !suspicious) return;
+  const std::optional<MispairedRows> mispaired = findMispairedRows(cell, observations, samples, few);
+  if (!suspicious) {
+    if (mispaired) refuse(suspicionOf(*mispaired, few), stated);
+    return;
+  }
+  MistakeSearch search(few, found.fit.cell.registration, found.misfit, chance);
+  if (cell.arm && search.calibrated() <= std::max(floor, 0.25 * kSuspicious * chance)) return;
+  if (mispaired) search.considerRows(*mispaired);
+  search.tryAll(mistakesOf(few, observations));
+  search.trySizes();
+  if (search.best()) refuse(*search.best(), stated);
+  if (found.misfit < kHopeless * chance) return;
+  throw ImplausibleCapture(
+      fmt::format("no registration explains most of the pictures (the best leaves {}, as rows that have nothing to do "
+                  "with them would): expected readings, robot and pictures that belong together",
+                  stated));
 }
 
 }  // namespace poecal

@@ -1,12 +1,10 @@
-// What is suspected where no registration explains the pictures.
+// Whether a registration can be that of the cell, and what is wrong with the input where it cannot.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "poecal/cell/cell.hpp"
-#include "poecal/cell/observation.hpp"
+#include "registration/consensus.hpp"
 
 namespace poecal {
 
@@ -14,9 +12,14 @@ namespace poecal {
 /// picture, and clockwise only in a mirrored picture, a mirrored print, or with another corner order.
 double mirroredShare(const std::vector<Observation>& observations);
 
-/// Tries what people get wrong (joints in degrees, the other setup) and says which of it would explain the pictures.
-/// @param misfit_px  what the best registration left. @param misfitOf  the same of an altered cell and its observations.
-std::optional<std::string> suspectedMistake(const Cell& cell, const std::vector<Observation>& observations, double misfit_px,
-                                            double (*misfitOf)(const Cell&, const std::vector<Observation>&));
+/// "the target is 0.800 +- 0.010 of its stated size".
+std::string sizeText(double factor, double deviation);
+
+/// Judges what a registration leaves by what the pictures leave with poses of their own, and by what is left where readings and pictures
+/// have nothing to do with each other (random pairings). Where it is too much, single mistakes are undone and the same registration judges
+/// each; one that mends it by a large factor is named.
+/// @throws ImplausibleInput where a mistake explains it, or where nothing does and the registration is hardly better than chance.
+void requirePlausible(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
+                      const Consensus& found);
 
 }  // namespace poecal

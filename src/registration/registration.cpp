@@ -4,127 +4,28 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/registration/hand_eye.hpp"
+#include "poecal/registration/implausible.hpp"
 #include "poecal/registration/target_pose.hpp"
-#include "registration/hypotheses.hpp"
+#include "registration/consensus.hpp"
+#include "registration/lens_and_size.hpp"
 #include "registration/plausibility.hpp"
 
 namespace poecal {
 namespace {
 
-Eigen::Isometry3d nearFar(const Cell& cell, const Observation& observation) {
-  const Eigen::Isometry3d T_base_flange = modelFlange(cell, observation);
-  return cell.registration.setup == Setup::kEyeToHand ? T_base_flange : T_base_flange.inverse();
-}
-
-double cornerRms(const Cell& cell, const Observation& observation) {
-  double sum = 0.0;
-  for (const UnitResidual& unit : residuals(cell, observation)) sum += unit.residual.squaredNorm();
-  const double rms = std::sqrt(sum / std::max(1, observation.unitCount()));
-  return std::isnan(rms) ? std::numeric_limits<double>::infinity() : rms;
-}
-
-/// Of an observation where the arm is at T_near_far; the search asks this hundreds of times of each, so it does not go through the arm
-/// again.
-double misfitOf(const Cell& cell, const Registration& registration, const Eigen::Isometry3d& T_near_far, const Observation& observation) {
-  if (!observation.pose) {
-    const Eigen::Isometry3d T_camera_target = registration.T_camera_near * T_near_far * registration.T_far_target;
-    double sum = 0.0;
-    for (const CornerMeasurement& corner : observation.corners) {
-      const std::optional<Eigen::Vector2d> px = project(*cell.camera, T_camera_target * corner.p_target);
-      if (!px) return std::numeric_limits<double>::infinity();
-      sum += (corner.px - *px).squaredNorm();
-    }
-    return std::sqrt(sum / std::max(1, observation.unitCount()));
-  }
-  Cell trial = cell;
-  trial.registration = registration;
-  double sum = 0.0;
-  for (const UnitResidual& unit : residuals(trial, observation)) sum += unit.squared_norm;
-  return std::sqrt(sum);
-}
-
-AdjustmentOptions registrationAdjustment(bool robust) {
-  AdjustmentOptions options;
-  options.free.near = true;
-  options.free.far = true;
-  options.robust = robust;
-  return options;
-}
-
-std::vector<HypothesisSample> cornerHypotheses(const Cell& cell, const std::vector<Observation>& observations) {
-  std::vector<HypothesisSample> samples;
-  for (std::size_t k = 0; k < observations.size(); ++k) {
-    HypothesisSample sample;
-    sample.observation = k;
-    sample.T_near_far = nearFar(cell, observations[k]);
-    for (const TargetPose& pose : targetPoses(*cell.camera, observations[k])) sample.candidates.push_back(pose.T_camera_target);
-    samples.push_back(std::move(sample));
-  }
-  return samples;
-}
-
-/// Misfit that 60 % of the samples stay below, after a closed form; infinity where there is none.
-double agreeingMisfit(const Cell& cell, const std::vector<Observation>& observations) {
-  const std::vector<HypothesisSample> samples = cornerHypotheses(cell, observations);
-  const Misfit misfit = [&](const Registration& registration, const HypothesisSample& sample) {
-    return misfitOf(cell, registration, sample.T_near_far, observations[sample.observation]);
-  };
-  const std::vector<Hypothesis> found = searchRegistrations(cell.registration.setup, samples, misfit, 100);
-  return found.empty() ? std::numeric_limits<double>::infinity() : found.front().score;
-}
-
 // Above this number robust weights have enough good pictures to lean on, and judging one by one would take long.
 constexpr std::size_t kJudgedOneByOne = 60;
 
-/// A nominal arm is off by a per cent or two of the picture; a registration that leaves more than a twelfth of it is none.
-void requirePlausible(const Cell& cell, const std::vector<Observation>& observations, const Adjustment& fit) {
-  std::vector<double> misfits;
-  for (const Observation& observation : observations) misfits.push_back(cornerRms(fit.cell, observation));
-  const double misfit = quantile(misfits, 0.6);
-  if (misfit < cell.camera->width / 12.0) return;
-  const std::optional<std::string> suspicion = suspectedMistake(cell, observations, misfit, agreeingMisfit);
-  throw ImplausibleInput(fmt::format(
-      "no registration explains most of the pictures (the best leaves {:.0f} px): {}", misfit,
-      suspicion ? "suspected are " + *suspicion
-                : std::string("expected joint readings, robot and pictures that belong together (units, signs, order of the rows)")));
-}
-
-/// The best of the refined hypotheses. Which is best shows on some of the samples; only that one is refined on all of them.
-Adjustment adjustBest(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
-                      int hypotheses, bool robust, Registration* closed_form = nullptr) {
-  const Misfit misfit = [&](const Registration& registration, const HypothesisSample& sample) {
-    return misfitOf(cell, registration, sample.T_near_far, observations[sample.observation]);
-  };
-  const std::vector<Hypothesis> found = searchRegistrations(cell.registration.setup, samples, misfit, hypotheses);
-  if (found.empty()) {
-    throw InsufficientData("no registration follows from these poses: the target must be seen in at least three different orientations");
-  }
-  constexpr std::size_t kCompared = 300;
-  const std::size_t stride = (observations.size() + kCompared - 1) / kCompared;
-  std::vector<Observation> some;
-  for (std::size_t k = 0; k < observations.size(); k += stride) some.push_back(observations[k]);
-  std::optional<Adjustment> best;
-  double best_misfit = std::numeric_limits<double>::infinity();
-  for (const Hypothesis& hypothesis : found) {
-    Cell start = cell;
-    start.registration = hypothesis.registration;
-    Adjustment fit = adjust(start, some, registrationAdjustment(robust));
-    std::vector<double> misfits;
-    for (std::size_t k = 0; k < samples.size(); k += stride) misfits.push_back(misfit(fit.cell.registration, samples[k]));
-    const double of_most = quantile(std::move(misfits), 0.6);
-    if (!best || of_most < best_misfit * (1.0 - 1e-9)) {
-      best_misfit = of_most;
-      best = std::move(fit);
-      if (closed_form != nullptr) *closed_form = hypothesis.registration;
-    }
-  }
-  return stride == 1 ? *best : adjust(best->cell, observations, registrationAdjustment(robust));
+Consensus requireConsensus(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
+                           const ConsensusOptions& options) {
+  std::optional<Consensus> found = findConsensus(cell, observations, samples, options);
+  if (found) return std::move(*found);
+  throw InsufficientData("no registration follows from these poses: the target must be seen in at least three different orientations");
 }
 
 void requireTurning(const Cell& cell, const std::vector<Observation>& observations) {
@@ -193,6 +94,33 @@ void leaveOutBad(const std::vector<Observation>& observations, RegistrationResul
   }
 }
 
+/// One by one no more than a quarter is found, and a third that is wrong pulls the fit to itself. Where more than half of the pictures
+/// agree far better without the others than what has been kept does, those others are out.
+void leaveOutMinority(const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples, const Consensus& found,
+                      RegistrationResult& result, std::vector<bool>& out) {
+  constexpr double kAgrees = 4.0, kFarBetter = 0.25;
+  const Misfit misfit = misfitIn(found.fit.cell, observations);
+  std::vector<Observation> agreeing;
+  std::vector<bool> others(observations.size(), false);
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    others[k] = !(misfit(found.fit.cell.registration, samples[k]) <= kAgrees * found.misfit + 1e-9);
+    if (!others[k]) agreeing.push_back(observations[k]);
+  }
+  if (agreeing.size() < 6 || 2 * agreeing.size() <= observations.size() || agreeing.size() == observations.size()) return;
+  const Adjustment fit = adjust(found.fit.cell, agreeing, registrationAdjustment(false));
+  const auto rmsOf = [&](const Cell& cell, const std::vector<bool>& without) {
+    std::vector<double> of_pictures;
+    for (std::size_t k = 0; k < observations.size(); ++k) {
+      if (!without[k]) of_pictures.push_back(cornerRms(cell, observations[k]));
+    }
+    return rms(of_pictures);
+  };
+  if (!(rmsOf(fit.cell, others) < kFarBetter * rmsOf(result.cell, out))) return;
+  out = others;
+  result.adjustment = fit;
+  result.cell = fit.cell;
+}
+
 /// The measured flange with the covariance of its corners.
 void measureFlange(const Cell& cell, const Observation& observation, const std::vector<Eigen::Isometry3d>& candidates,
                    RegisteredSample& sample, double& squares, double& redundancy) {
@@ -225,29 +153,54 @@ double statedSigma(const std::vector<Observation>& observations) {
   return rms(sigmas);
 }
 
+/// All turns about one axis: what slides along it is not determined, whatever rounding of the readings pretends.
+void findOpenAxis(const std::vector<Observation>& observations, RegistrationResult& result) {
+  std::vector<Eigen::Isometry3d> poses;
+  for (const Observation& observation : observations) poses.push_back(nearFar(result.cell, observation));
+  const std::optional<Eigen::Vector3d> axis = onlyAxis(poses);
+  if (!axis) return;
+  // A component below this is that of noise in the axis.
+  constexpr double kAlong = 0.02;
+  result.open_axis = axis;
+  const Registration& registration = result.cell.registration;
+  const Eigen::Vector3d in_camera = registration.T_camera_near.linear() * *axis;
+  const Eigen::Vector3d in_far = poses.front().linear().transpose() * *axis;
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(in_camera(k)) > kAlong) result.open.push_back(3 + k);
+    if (std::abs(in_far(k)) > kAlong) result.open.push_back(9 + k);
+  }
+  result.warnings.push_back(
+      fmt::format("all turns are about one axis: where the camera and the target are along it ({:.3f} {:.3f} {:.3f} in {}) is open",
+                  axis->x(), axis->y(), axis->z(), registration.nearFrame()));
+}
+
 }  // namespace
 
 double keptShare(const std::vector<double>& unit_weights) { return unit_weights.empty() ? 0.0 : mean(unit_weights); }
 
 RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>& observations, const RegistrationOptions& options) {
   if (!cell.camera) throw InvalidArgument("registration from corners needs a camera");
-  const std::vector<HypothesisSample> hypotheses = cornerHypotheses(cell, observations);
-  const auto usable = std::count_if(hypotheses.begin(), hypotheses.end(), [](const auto& sample) { return !sample.candidates.empty(); });
+  const std::vector<HypothesisSample> hypotheses = hypothesisSamples(cell, observations);
+  const std::size_t usable = differentPoses(hypotheses, 3);
   if (usable < 3) {
-    throw InsufficientData(fmt::format("the target's pose is seen in {} picture{}, at least 3 are needed", usable, usable == 1 ? "" : "s"));
+    throw InsufficientData(
+        fmt::format("the target's pose is seen in {} picture{} of different poses, at least 3 are needed", usable, usable == 1 ? "" : "s"));
   }
   requireTurning(cell, observations);
   if (mirroredShare(observations) > 0.5) {
-    throw ImplausibleInput(
+    throw ImplausibleCapture(
         "the corners of most tags run clockwise in the picture, as of a flipped (mirrored) tag: expected the order bottom-left, "
         "bottom-right, "
-        "top-right, top-left of the upright tag seen from its front");
+        "top-right, top-left of the upright tag seen from its front",
+        InputPart::kDetections);
   }
 
   RegistrationResult result;
-  result.adjustment = adjustBest(cell, observations, hypotheses, options.hypotheses, options.robust, &result.closed_form);
+  const Consensus found = requireConsensus(cell, observations, hypotheses, {.hypotheses = options.hypotheses, .robust = options.robust});
+  requirePlausible(cell, observations, hypotheses, found);
+  result.adjustment = found.fit;
+  result.closed_form = found.closed_form;
   result.cell = result.adjustment.cell;
-  requirePlausible(cell, observations, result.adjustment);
   std::vector<bool> out(observations.size(), false);
   std::optional<Cell> plain;
   const bool judged_one_by_one = options.leave_out_bad && !cell.arm && observations.size() <= kJudgedOneByOne;
@@ -257,9 +210,12 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
     result.cell = result.adjustment.cell;
     plain = result.cell;
     leaveOutBad(observations, result, out);
+    leaveOutMinority(observations, hypotheses, found, result, out);
   } else {
     for (std::size_t k = 0; k < observations.size(); ++k) out[k] = keptShare(result.adjustment.weights[k]) < 0.5;
   }
+  if (!cell.arm) result.warnings = checkLensAndSize(result.cell, observations, hypotheses);
+  findOpenAxis(observations, result);
   for (const std::string& direction : result.adjustment.unseen) {
     result.warnings.push_back("the registration does not determine " + direction +
                               " (the arm's motions leave it open); it is held where it started");
@@ -301,63 +257,13 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   return result;
 }
 
-namespace {
-
-/// y_i = R (R_i p + t_i) + t for positions alone: by turns R, t for a known tool point p (orthogonal Procrustes) and p, t for a known R
-/// (linear).
-Registration registrationFromPositions(const Cell& cell, const std::vector<Observation>& observations) {
-  const auto count = static_cast<Eigen::Index>(observations.size());
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d t = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Isometry3d> poses;
-  Eigen::Matrix3Xd measured(3, count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Observation& observation = observations[static_cast<std::size_t>(k)];
-    poses.push_back(nearFar(cell, observation));
-    measured.col(k) = observation.pose->T_camera_target.translation();
-  }
-  // Converges geometrically, by about the square of (tool length / spread of the poses) a round.
-  for (int round = 0; round < 100; ++round) {
-    Eigen::Matrix3Xd modelled(3, count);
-    for (Eigen::Index k = 0; k < count; ++k) modelled.col(k) = poses[static_cast<std::size_t>(k)] * p;
-    const Eigen::Matrix3Xd a = modelled.colwise() - modelled.rowwise().mean();
-    const Eigen::Matrix3Xd b = measured.colwise() - measured.rowwise().mean();
-    R = nearestRotation(b * a.transpose());
-    Eigen::MatrixXd A(3 * count, 6);
-    Eigen::VectorXd rhs(3 * count);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Eigen::Isometry3d& pose = poses[static_cast<std::size_t>(k)];
-      A.block<3, 3>(3 * k, 0) = R * pose.linear();
-      A.block<3, 3>(3 * k, 3).setIdentity();
-      rhs.segment<3>(3 * k) = measured.col(k) - R * pose.translation();
-    }
-    const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(rhs);
-    p = x.head<3>();
-    t = x.tail<3>();
-  }
-  Registration registration = cell.registration;
-  registration.T_camera_near.linear() = R;
-  registration.T_camera_near.translation() = t;
-  registration.T_far_target = Eigen::Translation3d(p) * Eigen::Isometry3d::Identity();
-  return registration;
-}
-
-}  // namespace
-
 Adjustment registerPoses(const Cell& cell, const std::vector<Observation>& observations, bool robust) {
   if (observations.size() < 3) throw InsufficientData(fmt::format("{} poses, at least 3 are needed to register", observations.size()));
   requireTurning(cell, observations);
-  if (observations.front().pose->position_only) {
-    Cell start = cell;
-    start.registration = registrationFromPositions(cell, observations);
-    return adjust(start, observations, registrationAdjustment(robust));
-  }
-  std::vector<HypothesisSample> hypotheses;
-  for (std::size_t k = 0; k < observations.size(); ++k) {
-    hypotheses.push_back({k, nearFar(cell, observations[k]), {observations[k].pose->T_camera_target}});
-  }
-  return adjustBest(cell, observations, hypotheses, 400, robust);
+  const std::vector<HypothesisSample> samples = hypothesisSamples(cell, observations);
+  Consensus found = requireConsensus(cell, observations, samples, {.robust = robust});
+  requirePlausible(cell, observations, samples, found);
+  return std::move(found.fit);
 }
 
 }  // namespace poecal

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "capture/test_arm.hpp"
@@ -146,8 +147,22 @@ TEST_F(Samples, DataThatSupportNothingAreRefused) {
 }
 
 TEST_F(Samples, RowsOfOnePoseAreOneGroup) {
-  const SampleTable table = read("image,q1,q2,q3,pose\na,0,0,0,5\nb,1,0,0,2\nc,0,0,0,5\nd,1,1,0,\ne,1,1,0,\nf,1,0,0,2\n");
+  const SampleTable table = read("image,q1,q2,q3,pose\na,0,0,0,5\nb,1,0,0,2\nc,0,0,0,5\nd,1,1,0,\ne,1,1.1,0,\nf,1,0,0,2\n");
   EXPECT_THAT(poseGroups(table.samples), ElementsAre(ElementsAre(0, 2), ElementsAre(1, 5), ElementsAre(3), ElementsAre(4)));
+}
+
+TEST_F(Samples, EqualReadingsWithoutAPoseColumnAreOneGroup) {
+  const SampleTable joints = read("image,q1,q2,q3\na,0,0,0\nb,1,0,0\nc,0.0000009,0,0\nd,1,0.000002,0\ne,0,0,0\n");
+  EXPECT_THAT(poseGroups(joints.samples), ElementsAre(ElementsAre(0, 2, 4), ElementsAre(1), ElementsAre(3)));
+  const SampleTable poses = read("image,x,y,z,qx,qy,qz,qw\na,1,1,0,0,0,0,1\nb,1,1,0,0,0,0,-1\nc,1,1,0,0,0.6,0,0.8\n");
+  EXPECT_THAT(poseGroups(poses.samples), ElementsAre(ElementsAre(0, 1), ElementsAre(2)));
+}
+
+TEST_F(Samples, ASlowMotionIsNotOnePose) {
+  std::string text = "image,q1,q2,q3\n";
+  for (int k = 0; k < 10; ++k) text += fmt::format("{},{},0,0\n", k, 0.4e-6 * k);
+  // Each of three rows within 1e-6 of the first of them; chained, all ten would be one.
+  EXPECT_EQ(poseGroups(read(text + "x,1,0,0\n").samples).size(), 5u);
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ TEST(Registration, TooFewPicturesAndNoTurningAreSaid) {
   Rng rng = test::rngOfThisTest();
   const Registered data = registered(rng, Setup::kEyeToHand, 2, 0.1);
   EXPECT_THAT([&] { registerCell(cellOf(Setup::kEyeToHand), data.observations, {}); },
-              ::testing::ThrowsMessage<InsufficientData>(::testing::HasSubstr("in 2 pictures, at least 3")));
+              ::testing::ThrowsMessage<InsufficientData>(::testing::HasSubstr("in 2 pictures of different poses, at least 3")));
 }
 
 RegistrationResult registerReal(const std::string& set) {

@@ -29,6 +29,9 @@ struct HandEye {
 std::optional<HandEye> solveHandEye(const std::vector<Eigen::Isometry3d>& T_near_far, const std::vector<Eigen::Isometry3d>& T_camera_target,
                                     Setup setup);
 
+/// The axis in near that all turns are about, where there is but one; nothing where there are none or more.
+std::optional<Eigen::Vector3d> onlyAxis(const std::vector<Eigen::Isometry3d>& T_near_far);
+
 /// How many independent directions the arm turned about: 0, 1 (a SCARA, or too timid a motion) or more (2 stands for two or three).
 int rotationDirections(const std::vector<Eigen::Isometry3d>& T_near_far);
 

@@ -1,6 +1,7 @@
 // Hand-eye and base registration from corners, and the flange poses that the camera measured.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ struct RegistrationResult {
   /// Noise of the corners in units of their stated sigma, from the free poses (2N - 6 numbers a picture); 1 where there is no redundancy.
   double corner_scale = 1.0;
   double corner_sigma_px = 0.0;  ///< the same per axis [px]: times the root mean square of the stated sigmas
+  /// Direction in near along which the arm's motions leave both transforms open: the one axis of all turns.
+  std::optional<Eigen::Vector3d> open_axis;
+  std::vector<int> open;  ///< numbers of `adjustment` that are open for it: their deviation is infinite
   std::vector<std::string> warnings;
 };
 
@@ -51,11 +55,15 @@ struct RegistrationResult {
 /// minimal sets scored on the corners of all pictures, then the robust reprojection error over both.
 ///
 /// @param cell  camera, arm (or none) and setup; its registration is ignored.
-/// @throws InsufficientData: fewer than 3 pictures with 4 corners, poses that do not turn the target, or no registration that explains half
-/// of the pictures (the message says what is suspected: joints in degrees, mirrored corners, another setup).
+/// What it leaves is judged by what the pictures leave with poses of their own and by what is left of random pairings of readings and
+/// pictures; nearly half of the pictures may belong to other rows.
+/// @throws InsufficientData: fewer than 3 pictures of different poses with 4 corners, or poses that do not turn the target.
+/// @throws ImplausibleCapture: the registration is hardly better than chance, or a single mistake explains what it leaves (units, signs and
+/// order of joints, quaternions, setup, order of rows, size of the target, lens): the message says which.
 RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>& observations, const RegistrationOptions& options);
 
 /// The same from poses of an instrument: T_camera_near = T_instrument_base, T_far_target = T_flange_tool. `samples` hold no pixels.
+/// @throws InsufficientData, ImplausibleCapture as registerCell.
 Adjustment registerPoses(const Cell& cell, const std::vector<Observation>& observations, bool robust);
 
 /// Fraction of the weight of an observation's units that a fit kept.

@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "poecal/core/text.hpp"
+#include "registration/mistakes.hpp"
+
+namespace poecal {
+namespace {
+
+// No arm of this kind is built.
+constexpr double kLargestArm = 20.0;
+constexpr double kSmallestArm = 0.02;
+
+/// How far its axes reach from the base [m].
+double reachOf(const Arm& arm) {
+  double reach = expSe3(arm.gamma).translation().norm();
+  for (const Joint& joint : arm.joints) reach = std::max(reach, joint.anchor.norm());
+  return reach;
+}
+
+Arm scaledArm(const Arm& arm, double factor) {
+  Arm scaled = arm;
+  for (Joint& joint : scaled.joints) {
+    joint.anchor *= factor;
+    if (joint.type == JointType::kRevolute) joint.xi.tail<3>() *= factor;
+  }
+  Eigen::Isometry3d tip = expSe3(arm.gamma);
+  tip.translation() *= factor;
+  scaled.gamma = logSe3(tip);
+  return scaled;
+}
+
+/// Where a reading belongs whose place among the others was sorted as text: 1, 10, 11, ..., 2, 20, ...
+std::vector<std::size_t> orderAsText(std::size_t count, std::size_t first) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [first](std::size_t a, std::size_t b) { return std::to_string(a + first) < std::to_string(b + first); });
+  return order;
+}
+
+/// Observation k gets the reading of the observation of `row_of_sample` of its sample.
+Mistake mistakeOfOrder(std::string text, const std::vector<Observation>& all, std::vector<std::size_t> row_of_sample) {
+  return {std::move(text), InputPart::kSamples, [&all, rows = std::move(row_of_sample)](Problem& problem) {
+            std::map<std::size_t, const Observation*> of_sample;
+            for (const Observation& observation : all) of_sample[observation.sample] = &observation;
+            std::erase_if(problem.observations, [&](Observation& observation) {
+              const auto found = of_sample.find(rows[observation.sample]);
+              if (found == of_sample.end()) return true;
+              observation.q = found->second->q;
+              observation.T_base_flange = found->second->T_base_flange;
+              return false;
+            });
+            renewPictures(problem);
+          }};
+}
+
+Mistake mistakeOfLens(std::string text, std::function<void(Camera&)> right) {
+  return {std::move(text), InputPart::kCamera, [right](Problem& problem) {
+            right(*problem.cell.camera);
+            renewPictures(problem);
+          }};
+}
+
+std::string ratioText(double factor) {
+  constexpr std::pair<double, const char*> kRatios[] = {{0.25, "1/4"}, {1.0 / 3.0, "1/3"}, {0.5, "1/2"},  {2.0 / 3.0, "2/3"},
+                                                        {0.75, "3/4"}, {0.8, "4/5"},       {1.25, "5/4"}, {4.0 / 3, "4/3"},
+                                                        {1.5, "3/2"},  {2.0, "2"},         {3.0, "3"},    {4.0, "4"}};
+  for (const auto& [ratio, text] : kRatios) {
+    if (std::abs(factor - ratio) < 1e-3) return text;
+  }
+  return fmt::format("{:.3g}", factor);
+}
+
+}  // namespace
+
+std::vector<Mistake> orderMistakes(const Problem&, const std::vector<Observation>& all) {
+  std::vector<Mistake> mistakes;
+  const std::size_t count = all.back().sample + 1;
+  std::vector<std::size_t> reversed(count);
+  std::iota(reversed.rbegin(), reversed.rend(), 0);
+  mistakes.push_back(mistakeOfOrder("the rows look to be in reverse order against the pictures", all, reversed));
+  if (count < 11) return mistakes;
+  for (const std::size_t first : {0u, 1u}) {
+    const std::vector<std::size_t> as_text = orderAsText(count, first);
+    std::vector<std::size_t> inverse(count);
+    for (std::size_t place = 0; place < count; ++place) inverse[as_text[place]] = place;
+    for (const auto& rows : {as_text, inverse}) {
+      mistakes.push_back(
+          mistakeOfOrder("rows in the order of numbers (2, 10) look paired with pictures in that of text (10, 2)", all, rows));
+    }
+  }
+  return mistakes;
+}
+
+std::vector<Mistake> unitMistakes(const Problem& problem) {
+  std::vector<Mistake> mistakes;
+  const auto target = [](double factor) { return [factor](Problem& changed) { scaleTarget(changed, factor); }; };
+  if (problem.cell.arm) {
+    const double reach = reachOf(*problem.cell.arm);
+    const auto arm = [](double factor) {
+      return [factor](Problem& changed) {
+        changed.cell.arm = scaledArm(*changed.cell.arm, factor);
+        renewPoses(changed);
+      };
+    };
+    if (reach > kLargestArm) {
+      mistakes.push_back(
+          {fmt::format("an arm of {:.1f} km looks like millimetres, expected metres", 1e-3 * reach), InputPart::kRobot, arm(1e-3)});
+    }
+    if (reach < kSmallestArm) {
+      mistakes.push_back({fmt::format("an arm of {:.2g} mm looks like thousandths of its size", 1e3 * reach), InputPart::kRobot, arm(1e3)});
+    }
+  }
+  const bool measured = problem.observations.front().pose.has_value();
+  if (measured && problem.cell.arm) {
+    mistakes.push_back({"x, y, z look like metres of an arm in millimetres", InputPart::kRobot, target(1e3)});
+  } else if (!measured) {
+    mistakes.push_back({"the target's size looks like millimetres, expected metres", InputPart::kTarget, target(1e-3)});
+    mistakes.push_back({"the target's size looks like centimetres, expected metres", InputPart::kTarget, target(1e-2)});
+    mistakes.push_back({"the target's size looks like inches, expected metres", InputPart::kTarget, target(0.0254)});
+    mistakes.push_back({"the target's size looks 1000 times too small (kilometres?)", InputPart::kTarget, target(1e3)});
+  }
+  return mistakes;
+}
+
+std::vector<Mistake> lensMistakes(const Problem& problem) {
+  std::vector<Mistake> mistakes;
+  if (!problem.cell.camera) return mistakes;
+  const Camera stated = *problem.cell.camera;
+  for (const double factor : {0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 0.75, 0.8, 1.25, 4.0 / 3.0, 1.5, 2.0, 3.0, 4.0}) {
+    mistakes.push_back(
+        mistakeOfLens(fmt::format("the corners look like those of pictures with {} of the camera's resolution ({} x {})", ratioText(factor),
+                                  std::lround(factor * stated.width), std::lround(factor * stated.height)),
+                      [factor](Camera& camera) {
+                        camera.fx *= factor;
+                        camera.fy *= factor;
+                        // The centre of the first pixel is 0.
+                        camera.cx = factor * (camera.cx + 0.5) - 0.5;
+                        camera.cy = factor * (camera.cy + 0.5) - 0.5;
+                      }));
+  }
+  mistakes.push_back(
+      {"the lens is not that of these pictures (cut out, or of another resolution?)", InputPart::kCamera, [](Problem& changed) {
+         const auto found = solve(changed, 1);
+         if (!found) return;
+         AdjustmentOptions options = registrationAdjustment(true);
+         options.free.intrinsics = true;
+         options.max_iterations = 60;
+         const double f = changed.cell.camera->fx;
+         options.camera_prior_sigma = Eigen::VectorXd::Constant(changed.cell.camera->parameterCount(), 0.1);
+         options.camera_prior_sigma.head<4>().setConstant(f);
+         changed.cell.camera = adjust(found->fit.cell, changed.observations, options).cell.camera;
+         renewPictures(changed);
+       }});
+  return mistakes;
+}
+
+std::vector<Mistake> cornerMistakes(const Problem& problem) {
+  std::vector<Mistake> mistakes;
+  if (problem.observations.front().pose || problem.observations.front().corners.front().id.tag < 0) return mistakes;
+  std::array<int, 4> order{0, 1, 2, 3};
+  while (std::next_permutation(order.begin(), order.end())) {
+    mistakes.push_back({fmt::format("the corners of the tags look to be in another order: 0, 1, 2, 3 are {}, {}, {}, {}", order[0],
+                                    order[1], order[2], order[3]),
+                        InputPart::kDetections, [order](Problem& changed) {
+                          for (Observation& observation : changed.observations) {
+                            std::map<PointId, Eigen::Vector3d> points;
+                            for (const CornerMeasurement& corner : observation.corners) points[corner.id] = corner.p_target;
+                            std::erase_if(observation.corners, [&](CornerMeasurement& corner) {
+                              const int place = corner.id.corner;
+                              if (place < 0 || place > 3) return true;
+                              corner.id.corner = order[static_cast<std::size_t>(place)];
+                              const auto point = points.find(corner.id);
+                              if (point == points.end()) return true;
+                              corner.p_target = point->second;
+                              return false;
+                            });
+                          }
+                          renewPictures(changed);
+                        }});
+  }
+  return mistakes;
+}
+
+}  // namespace poecal

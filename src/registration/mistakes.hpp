@@ -1,0 +1,35 @@
+// What people get wrong in a capture, each as the transformation of the input that puts it right.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "poecal/registration/implausible.hpp"
+#include "registration/problem.hpp"
+
+namespace poecal {
+
+struct Mistake {
+  std::string text;  ///< "q3 counts the other way"
+  InputPart part = InputPart::kSamples;
+  std::function<void(Problem&)> undo;
+  bool sure = true;  ///< other explanations of its kind are as simple; false: it takes two changes and yields to one that takes one
+};
+
+/// Of joint readings: units, signs, exchanged columns, zeros. None without an arm.
+std::vector<Mistake> jointMistakes(const Problem& problem);
+/// Of poses, those of the flange where there is no arm, or those of an instrument: units, quaternions, Euler angles, inverses.
+std::vector<Mistake> poseMistakes(const Problem& problem);
+/// The other setup; for pictures only.
+std::vector<Mistake> setupMistakes(const Problem& problem);
+/// Order of the rows as a whole: turned round, or by name as text where the other is by number.
+std::vector<Mistake> orderMistakes(const Problem& problem, const std::vector<Observation>& all);
+/// Sizes in other units: target, robot.
+std::vector<Mistake> unitMistakes(const Problem& problem);
+/// The camera's figures are those of another resolution, or the pictures are cut out.
+std::vector<Mistake> lensMistakes(const Problem& problem);
+/// Corners of every tag in another order. Only where the corners do not even fit with poses of their own.
+std::vector<Mistake> cornerMistakes(const Problem& problem);
+
+}  // namespace poecal

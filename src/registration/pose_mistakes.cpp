@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "poecal/geometry/se3.hpp"
+#include "registration/mistakes.hpp"
+
+namespace poecal {
+namespace {
+
+using PoseChange = std::function<Eigen::Isometry3d(const Eigen::Isometry3d&)>;
+
+Mistake mistakeOfPoses(std::string text, PoseChange right) {
+  return {std::move(text), InputPart::kSamples, [right](Problem& problem) {
+            for (Observation& observation : problem.observations) {
+              if (observation.pose) {
+                observation.pose->T_camera_target = right(observation.pose->T_camera_target);
+              } else {
+                observation.T_base_flange = right(*observation.T_base_flange);
+              }
+            }
+            if (problem.observations.front().pose) {
+              renewPictures(problem);
+            } else {
+              renewPoses(problem);
+            }
+          }};
+}
+
+PoseChange ofRotation(std::function<Eigen::Matrix3d(const Eigen::Matrix3d&)> right) {
+  return [right = std::move(right)](const Eigen::Isometry3d& T) {
+    Eigen::Isometry3d changed = T;
+    changed.linear() = right(T.linear());
+    return changed;
+  };
+}
+
+/// Three numbers of a rotation, and back.
+struct ThreeNumbers {
+  const char* name;
+  Eigen::Vector3d (*from)(const Eigen::Matrix3d&);
+  Eigen::Matrix3d (*to)(const Eigen::Vector3d&);
+};
+
+Eigen::Matrix3d turn(int axis, double angle) { return expSo3(angle * Eigen::Vector3d::Unit(axis)); }
+
+/// Rz(c) Ry(b) Rx(a): roll, pitch, yaw about fixed axes.
+Eigen::Vector3d fixedAngles(const Eigen::Matrix3d& R) {
+  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)), std::atan2(R(1, 0), R(0, 0))};
+}
+Eigen::Matrix3d fromFixed(const Eigen::Vector3d& a) { return turn(2, a.z()) * turn(1, a.y()) * turn(0, a.x()); }
+/// Rx(a) Ry(b) Rz(c): about moving axes.
+Eigen::Vector3d movingAngles(const Eigen::Matrix3d& R) { return -fixedAngles(R.transpose()); }
+Eigen::Matrix3d fromMoving(const Eigen::Vector3d& a) { return turn(0, a.x()) * turn(1, a.y()) * turn(2, a.z()); }
+
+constexpr ThreeNumbers kThreeNumbers[] = {
+    {"rotation vectors", [](const Eigen::Matrix3d& R) { return Eigen::Vector3d(logSo3(R)); },
+     [](const Eigen::Vector3d& a) { return Eigen::Matrix3d(expSo3(a)); }},
+    {"roll, pitch, yaw", fixedAngles, fromFixed},
+    {"Euler angles about moving x, y, z", movingAngles, fromMoving},
+    {"yaw, pitch, roll", [](const Eigen::Matrix3d& R) { return Eigen::Vector3d(fixedAngles(R).reverse()); },
+     [](const Eigen::Vector3d& a) { return Eigen::Matrix3d(fromFixed(a.reverse())); }},
+};
+
+void addThreeNumbers(std::vector<Mistake>& mistakes) {
+  for (const ThreeNumbers& are : kThreeNumbers) {
+    for (const ThreeNumbers& taken : kThreeNumbers) {
+      if (are.name == taken.name) continue;
+      mistakes.push_back(mistakeOfPoses(fmt::format("the quaternions look made from {} that were taken for {}", are.name, taken.name),
+                                        ofRotation([&are, &taken](const Eigen::Matrix3d& R) { return are.to(taken.from(R)); })));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Mistake> poseMistakes(const Problem& problem) {
+  std::vector<Mistake> mistakes;
+  const bool measured = problem.observations.front().pose.has_value();
+  if (problem.cell.arm && !measured) return mistakes;
+  mistakes.push_back(mistakeOfPoses("x, y, z look like millimetres, expected metres", [](Eigen::Isometry3d T) {
+    T.translation() *= 1e-3;
+    return T;
+  }));
+  if (measured && problem.observations.front().pose->position_only) return mistakes;
+  if (measured) {
+    mistakes.push_back(mistakeOfPoses("the poses look inverted (instrument in tool), expected tool in instrument",
+                                      [](const Eigen::Isometry3d& T) { return T.inverse(); }));
+  }
+  mistakes.push_back(
+      mistakeOfPoses("qx, qy, qz, qw look like w, x, y, z: another order of the quaternion", ofRotation([](const Eigen::Matrix3d& R) {
+                       const Eigen::Quaterniond q(R);
+                       return Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).toRotationMatrix();
+                     })));
+  mistakes.push_back(mistakeOfPoses("the quaternions look conjugate (turned the other way)",
+                                    ofRotation([](const Eigen::Matrix3d& R) { return Eigen::Matrix3d(R.transpose()); })));
+  addThreeNumbers(mistakes);
+  return mistakes;
+}
+
+std::vector<Mistake> setupMistakes(const Problem& problem) {
+  if (!problem.cell.camera) return {};
+  const Setup stated = problem.cell.registration.setup;
+  const Setup other = stated == Setup::kEyeToHand ? Setup::kEyeInHand : Setup::kEyeToHand;
+  // Poses of the flange that are inverted and those of the other setup are one thing.
+  return {{fmt::format("the capture looks like setup: {}, stated is {}{}", setupName(other), setupName(stated),
+                       problem.cell.arm ? "" : "; or its poses are inverted (base in flange)"),
+           InputPart::kManifest, [other](Problem& changed) {
+             changed.cell.registration.setup = other;
+             renewPoses(changed);
+           }}};
+}
+
+}  // namespace poecal

@@ -1,0 +1,48 @@
+// A capture cut down to what can be registered hundreds of times within a second.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "registration/consensus.hpp"
+
+namespace poecal {
+
+struct Problem {
+  Cell cell;
+  std::vector<Observation> observations;
+  std::vector<HypothesisSample> samples;  ///< one per observation
+};
+
+/// At most `rows` observations of different poses that have candidates (or positions), evenly over the series, each with at most twelve
+/// corners far from each other.
+Problem thinned(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
+                std::size_t rows);
+
+/// The samples' T_near_far again, after the cell's arm, its setup or the readings were altered.
+void renewPoses(Problem& problem);
+/// Likewise everything that the pictures tell, after corners, target or camera were altered.
+void renewPictures(Problem& problem);
+/// The target (or the positions of an instrument's poses) at `factor` times its size.
+void scaleTarget(Problem& problem, double factor);
+
+/// Without the samples that a registration contradicts: those beyond four times the median misfit.
+Problem agreeing(const Problem& problem, const Registration& registration);
+
+/// What a search over few hypotheses finds; nothing where there is none. `refined` as ConsensusOptions has it.
+std::optional<Consensus> solve(const Problem& problem, std::size_t refined);
+
+/// The median misfit of the best hypothesis before any adjustment; infinity where there is none.
+double quickMisfit(const Problem& problem);
+
+/// Median misfit with the arm's axes free within wide tolerances, started from a registration: what an arm's errors cannot explain. Without
+/// an arm it is the registration's.
+double calibratedMisfit(const Problem& problem, const Registration& start);
+
+/// What is left where readings and pictures have nothing to do with each other: median over some random pairings.
+double chanceMisfit(const Problem& problem);
+
+/// Median of what the pictures leave with a pose of their own; 0 for poses.
+double freeMisfit(const std::vector<HypothesisSample>& samples);
+
+}  // namespace poecal

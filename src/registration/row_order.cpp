@@ -1,0 +1,158 @@
+#include "registration/row_order.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "poecal/core/statistics.hpp"
+
+namespace poecal {
+namespace {
+
+constexpr int kFarthest = 5;
+constexpr int kShifts = 2 * kFarthest + 1;
+// Pictures that are followed; more would tell nothing new.
+constexpr std::size_t kFollowed = 400;
+// A change of the shift must bring more than two pictures to their rows.
+constexpr double kChange = 2.5;
+constexpr double kMostPictures = 0.8;
+// Times the misfit of those that fit.
+constexpr double kFits = 4.0;
+
+using ReadingsOfSamples = std::map<std::size_t, const Observation*>;
+
+/// The observation with the reading of the row `shift` further down; nothing where that row is not there.
+std::optional<Observation> shifted(const Observation& observation, const ReadingsOfSamples& readings, int shift) {
+  const long row = static_cast<long>(observation.sample) + shift;
+  const auto found = row < 0 ? readings.end() : readings.find(static_cast<std::size_t>(row));
+  if (found == readings.end()) return std::nullopt;
+  Observation other = observation;
+  other.q = found->second->q;
+  other.T_base_flange = found->second->T_base_flange;
+  return other;
+}
+
+Problem shiftedProblem(const Problem& few, const ReadingsOfSamples& readings, int shift) {
+  Problem problem;
+  problem.cell = few.cell;
+  for (std::size_t k = 0; k < few.observations.size(); ++k) {
+    std::optional<Observation> other = shifted(few.observations[k], readings, shift);
+    if (!other) continue;
+    problem.samples.push_back(few.samples[k]);
+    problem.samples.back().observation = problem.observations.size();
+    problem.observations.push_back(std::move(*other));
+  }
+  renewPoses(problem);
+  return problem;
+}
+
+/// The registration of the shift that fits best.
+std::optional<Consensus> bestOfShifts(const Problem& few, const ReadingsOfSamples& readings) {
+  std::vector<std::pair<double, int>> order;
+  for (int shift = -kFarthest; shift <= kFarthest; ++shift) {
+    order.emplace_back(quickMisfit(shiftedProblem(few, readings, shift)), shift);
+  }
+  std::sort(order.begin(), order.end());
+  std::optional<Consensus> best;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!std::isfinite(order[k].first)) continue;
+    auto found = solve(shiftedProblem(few, readings, order[k].second), 2);
+    if (found && (!best || found->misfit < best->misfit)) best = std::move(found);
+  }
+  return best;
+}
+
+/// misfits[k][shift + kFarthest] of each followed picture; infinity where the row is not there.
+using ShiftMisfits = std::vector<std::array<double, kShifts>>;
+
+/// The cheapest sequence of shifts: one for each picture that does not fit, kChange for each change.
+std::vector<int> followShifts(const ShiftMisfits& misfits, double limit) {
+  std::vector<std::array<int, kShifts>> came_from(misfits.size());
+  std::array<double, kShifts> cost{};
+  for (std::size_t k = 0; k < misfits.size(); ++k) {
+    std::array<double, kShifts> next{};
+    for (int s = 0; s < kShifts; ++s) {
+      int from = s;
+      for (int other = 0; k > 0 && other < kShifts; ++other) {
+        if (cost[static_cast<std::size_t>(other)] + kChange < cost[static_cast<std::size_t>(from)] + (from == s ? 0.0 : kChange))
+          from = other;
+      }
+      const auto i = static_cast<std::size_t>(s);
+      came_from[k][i] = from;
+      next[i] = cost[static_cast<std::size_t>(from)] + (from == s ? 0.0 : kChange) + (misfits[k][i] <= limit ? 0.0 : 1.0) +
+                1e-4 * std::abs(s - kFarthest);
+    }
+    cost = next;
+  }
+  std::vector<int> shifts(misfits.size());
+  auto at = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  for (std::size_t k = misfits.size(); k-- > 0;) {
+    shifts[k] = at - kFarthest;
+    at = came_from[k][static_cast<std::size_t>(at)];
+  }
+  return shifts;
+}
+
+std::string countText(int shift) { return std::abs(shift) == 1 ? "one" : std::to_string(std::abs(shift)); }
+
+std::string describe(const std::vector<int>& shifts, std::size_t first_wrong) {
+  const int shift = shifts[first_wrong];
+  std::string text = first_wrong == 0 ? "the rows are shifted" : "from this row on the rows are shifted";
+  text += fmt::format(" by {} against the pictures", countText(shift));
+  const auto next =
+      std::find_if(shifts.begin() + static_cast<std::ptrdiff_t>(first_wrong), shifts.end(), [&](int s) { return s != shift; });
+  if (next != shifts.end()) text += *next == 0 ? ", further on they are right again" : fmt::format(", further on by {}", countText(*next));
+  return text;
+}
+
+}  // namespace
+
+std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vector<Observation>& observations,
+                                               const std::vector<HypothesisSample>& samples, const Problem& few) {
+  ReadingsOfSamples readings;
+  for (const Observation& observation : observations) readings[observation.sample] = &observation;
+  const std::optional<Consensus> best = bestOfShifts(few, readings);
+  if (!best) return std::nullopt;
+  const Misfit misfit = misfitIn(cell, observations);
+  const std::size_t stride = (observations.size() + kFollowed - 1) / kFollowed;
+  ShiftMisfits misfits;
+  std::vector<std::size_t> followed;
+  for (std::size_t k = 0; k < observations.size(); k += stride) {
+    followed.push_back(k);
+    std::array<double, kShifts>& of_shifts = misfits.emplace_back();
+    for (int s = 0; s < kShifts; ++s) {
+      double& value = of_shifts[static_cast<std::size_t>(s)];
+      value = std::numeric_limits<double>::infinity();
+      const std::optional<Observation> other = shifted(observations[k], readings, s - kFarthest);
+      if (!other) continue;
+      HypothesisSample sample = samples[k];
+      sample.T_near_far = nearFar(cell, *other);
+      value = misfit(best->fit.cell.registration, sample);
+    }
+  }
+  const double limit = kFits * best->misfit + 1e-9;
+  const std::vector<int> shifts = followShifts(misfits, limit);
+  std::vector<double> left;
+  double as_they_stand = 0.0, with_shifts = 0.0, judged = 0.0;
+  for (std::size_t k = 0; k < shifts.size(); ++k) {
+    const double moved = misfits[k][static_cast<std::size_t>(shifts[k] + kFarthest)];
+    if (!std::isfinite(moved)) continue;
+    judged += 1.0;
+    as_they_stand += misfits[k][kFarthest] <= limit;
+    with_shifts += moved <= limit;
+    left.push_back(moved);
+  }
+  const auto wrong = std::find_if(shifts.begin(), shifts.end(), [](int s) { return s != 0; });
+  if (wrong == shifts.end() || judged < 6.0 || with_shifts < kMostPictures * judged) return std::nullopt;
+  if (with_shifts - as_they_stand < std::max(3.0, 0.15 * judged)) return std::nullopt;
+  const auto first = static_cast<std::size_t>(wrong - shifts.begin());
+  MispairedRows rows{describe(shifts, first), std::nullopt, median(left)};
+  if (first > 0) rows.sample = observations[followed[first]].sample;
+  return rows;
+}
+
+}  // namespace poecal

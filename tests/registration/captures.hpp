@@ -1,0 +1,47 @@
+// Small captures of arms that err as arms do, good ones and spoilt ones.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "poecal/cell/cell.hpp"
+#include "poecal/cell/observation.hpp"
+#include "support/random.hpp"
+
+namespace poecal::test {
+
+enum class Readings { kJoints, kFlangePoses, kTracker };  ///< tracker: joints, and poses of an instrument instead of pictures
+enum class View { kWide, kLookAt };                       ///< look-at: the target stays near the middle of the picture
+
+struct CaptureKind {
+  std::string arm;  ///< "elbow", "seven", "scara", "shoulder"
+  Setup setup = Setup::kEyeToHand;
+  Readings readings = Readings::kJoints;
+  View view = View::kWide;
+  int pictures = 40;
+  double tilt = 1e-3, shift = 3e-4;  ///< 1 sigma of the arm's axes [rad], [m]
+  double sigma_px = 0.1;
+};
+
+std::string nameOf(const CaptureKind& kind);
+
+struct MadeCapture {
+  Cell told;   ///< as a user states it: nominal arm or none, camera, setup
+  Cell truth;  ///< registration and arm as they are
+  std::vector<Observation> observations;
+};
+
+/// Always the same for a kind and a state of the generator.
+MadeCapture makeCapture(const CaptureKind& kind, Rng& rng);
+
+/// One way to spoil a capture, and what must be said of it.
+struct Spoilt {
+  std::string name;
+  std::string said;  ///< part of the message
+  MadeCapture capture;
+};
+
+/// Every single mistake that a capture of its kind can have, where it is one (a sign of a joint that the registration takes up is none).
+std::vector<Spoilt> spoiltCaptures(const CaptureKind& kind, const MadeCapture& good);
+
+}  // namespace poecal::test

@@ -1,0 +1,154 @@
+// Good captures pass, and captures with one mistake are refused with its name.
+#include <gmock/gmock.h>
+
+#include "poecal/registration/implausible.hpp"
+#include "poecal/registration/registration.hpp"
+#include "registration/captures.hpp"
+#include "support/matchers.hpp"
+
+namespace poecal {
+namespace {
+
+using test::CaptureKind;
+using test::MadeCapture;
+using test::Readings;
+using test::View;
+using ::testing::HasSubstr;
+
+/// What is said of a capture: an error's message, or its warnings; empty where there is nothing to say.
+struct Said {
+  bool refused = false;
+  std::string message;
+};
+
+Said said(const MadeCapture& capture) {
+  try {
+    if (capture.observations.front().pose) {
+      registerPoses(capture.told, capture.observations, true);
+      return {};
+    }
+    std::string warnings;
+    for (const std::string& warning : registerCell(capture.told, capture.observations, {}).warnings) warnings += warning + "\n";
+    return {false, warnings};
+  } catch (const Error& error) {
+    return {true, error.what()};
+  }
+}
+
+class PlausibilityOf : public ::testing::TestWithParam<CaptureKind> {};
+
+TEST_P(PlausibilityOf, GoodCapturesPassAndSpoiltOnesAreNamed) {
+  Rng rng = test::rngOfThisTest();
+  const MadeCapture good = makeCapture(GetParam(), rng);
+  ASSERT_EQ(static_cast<int>(good.observations.size()), GetParam().pictures);
+  const Said of_good = said(good);
+  EXPECT_FALSE(of_good.refused) << of_good.message;
+  int spoilt = 0, named = 0;
+  std::string unnamed;
+  for (const test::Spoilt& one : spoiltCaptures(GetParam(), good)) {
+    ++spoilt;
+    const Said answer = said(one.capture);
+    EXPECT_TRUE(answer.refused || answer.message.find(one.said) != std::string::npos) << one.name << " passed: " << answer.message;
+    if (answer.message.find(one.said) != std::string::npos) {
+      ++named;
+    } else {
+      unnamed += one.name + ": " + answer.message + "\n";
+    }
+  }
+  EXPECT_GE(named, 0.9 * spoilt) << unnamed;
+  RecordProperty("named", named);
+  RecordProperty("spoilt", spoilt);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, PlausibilityOf,
+                         ::testing::Values(CaptureKind{"elbow"}, CaptureKind{"elbow", Setup::kEyeInHand, Readings::kJoints, View::kLookAt},
+                                           CaptureKind{"elbow", Setup::kEyeToHand, Readings::kTracker},
+                                           CaptureKind{"seven", Setup::kEyeInHand},
+                                           CaptureKind{"seven", Setup::kEyeToHand, Readings::kFlangePoses},
+                                           CaptureKind{"shoulder", Setup::kEyeToHand, Readings::kJoints, View::kLookAt},
+                                           CaptureKind{"shoulder", Setup::kEyeInHand, Readings::kFlangePoses, View::kLookAt},
+                                           CaptureKind{"shoulder", Setup::kEyeToHand, Readings::kTracker}, CaptureKind{"scara"},
+                                           CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses},
+                                           CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses, View::kLookAt, 20},
+                                           CaptureKind{"seven", Setup::kEyeToHand, Readings::kJoints, View::kWide, 20}),
+                         [](const auto& kind) { return nameOf(kind.param); });
+
+TEST(Plausibility, LooseArmsAndFewPicturesPass) {
+  Rng rng = test::rngOfThisTest();
+  for (const char* arm : {"elbow", "seven", "shoulder", "scara"}) {
+    for (const Setup setup : {Setup::kEyeToHand, Setup::kEyeInHand}) {
+      for (const View view : {View::kWide, View::kLookAt}) {
+        for (const int pictures : {12, 40}) {
+          const CaptureKind kind{arm, setup, Readings::kJoints, view, pictures, 6e-3, 2e-3};
+          const Said answer = said(makeCapture(kind, rng));
+          EXPECT_FALSE(answer.refused) << nameOf(kind) << ": " << answer.message;
+        }
+      }
+    }
+  }
+}
+
+TEST(Plausibility, RowsOfOtherPicturesAreRefusedWithoutAGuess) {
+  Rng rng = test::rngOfThisTest();
+  for (const View view : {View::kWide, View::kLookAt}) {
+    const CaptureKind kind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses, view, 17};
+    MadeCapture capture = makeCapture(kind, rng);
+    for (std::size_t k = capture.observations.size(); k > 1; --k) {
+      std::swap(capture.observations[k - 1].T_base_flange, capture.observations[rng.below(k)].T_base_flange);
+    }
+    const Said answer = said(capture);
+    EXPECT_TRUE(answer.refused);
+    EXPECT_THAT(answer.message, HasSubstr("no registration explains")) << nameOf(kind);
+  }
+}
+
+TEST(Plausibility, NearlyHalfOfTheRowsMayBeWrong) {
+  Rng rng = test::rngOfThisTest();
+  const CaptureKind kind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses, View::kWide, 20, 0.0, 0.0};
+  MadeCapture capture = makeCapture(kind, rng);
+  // Nine of twenty, each with a pose that belongs to none of them.
+  for (std::size_t k = 0; k < 9; ++k) {
+    Observation& observation = capture.observations[2 * k];
+    observation.T_base_flange = *observation.T_base_flange * test::randomPose(rng, 0.4, 0.2);
+  }
+  const RegistrationResult result = registerCell(capture.told, capture.observations, {});
+  for (const RegisteredSample& sample : result.samples) {
+    EXPECT_EQ(sample.left_out, sample.sample % 2 == 0 && sample.sample < 18) << sample.sample;
+  }
+  EXPECT_THAT(result.cell.registration.T_camera_near, test::PoseIsNear(capture.truth.registration.T_camera_near, 2e-3));
+}
+
+TEST(Plausibility, OfOneAxisOfRotationThePlaceAlongItIsOpen) {
+  Rng rng = test::rngOfThisTest();
+  const CaptureKind kind{"scara", Setup::kEyeInHand, Readings::kFlangePoses, View::kWide, 25, 0.0, 0.0};
+  const MadeCapture capture = makeCapture(kind, rng);
+  const RegistrationResult result = registerCell(capture.told, capture.observations, {});
+  ASSERT_TRUE(result.open_axis);
+  EXPECT_NEAR(std::abs(result.open_axis->z()), 1.0, 1e-2);
+  EXPECT_FALSE(result.open.empty());
+  for (const int open : result.open) EXPECT_TRUE((open >= 3 && open < 6) || open >= 9) << "rotations are known: " << open;
+}
+
+TEST(Plausibility, ARepeatedPoseIsOnePose) {
+  Rng rng = test::rngOfThisTest();
+  MadeCapture capture = makeCapture({"elbow", Setup::kEyeToHand, Readings::kJoints, View::kWide, 2}, rng);
+  const std::vector<Observation> two = capture.observations;
+  for (int shot = 0; shot < 10; ++shot) capture.observations.insert(capture.observations.end(), two.begin(), two.end());
+  for (std::size_t k = 0; k < capture.observations.size(); ++k) capture.observations[k].sample = k;
+  EXPECT_THAT([&] { registerCell(capture.told, capture.observations, {}); },
+              ::testing::ThrowsMessage<InsufficientData>(HasSubstr("2 pictures of different poses")));
+}
+
+TEST(Plausibility, ASizeThatIsOffALittleIsWarnedOfWithItsDeviation) {
+  Rng rng = test::rngOfThisTest();
+  MadeCapture capture = makeCapture({"elbow", Setup::kEyeInHand, Readings::kFlangePoses, View::kWide, 30, 0.0, 0.0}, rng);
+  for (Observation& observation : capture.observations) {
+    for (CornerMeasurement& corner : observation.corners) corner.p_target *= 1.05;
+  }
+  const RegistrationResult result = registerCell(capture.told, capture.observations, {});
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_THAT(result.warnings.front(), HasSubstr("the target is 0.952 +- 0.000 of its stated size"));
+}
+
+}  // namespace
+}  // namespace poecal

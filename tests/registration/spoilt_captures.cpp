@@ -1,0 +1,148 @@
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "registration/captures.hpp"
+
+namespace poecal::test {
+namespace {
+
+using Spoil = std::function<void(MadeCapture&)>;
+
+Spoil ofReadings(std::function<void(Eigen::VectorXd&)> spoil) {
+  return [spoil](MadeCapture& capture) {
+    for (Observation& observation : capture.observations) spoil(observation.q);
+  };
+}
+
+Spoil ofPoses(std::function<Eigen::Isometry3d(const Eigen::Isometry3d&)> spoil) {
+  return [spoil](MadeCapture& capture) {
+    for (Observation& observation : capture.observations) {
+      if (observation.pose) {
+        observation.pose->T_camera_target = spoil(observation.pose->T_camera_target);
+      } else {
+        observation.T_base_flange = spoil(*observation.T_base_flange);
+      }
+    }
+  };
+}
+
+Spoil ofRotations(std::function<Eigen::Matrix3d(const Eigen::Matrix3d&)> spoil) {
+  return ofPoses([spoil](Eigen::Isometry3d T) {
+    T.linear() = spoil(T.linear());
+    return T;
+  });
+}
+
+/// From row `begin` on each row has the reading of `by` rows before.
+Spoil shiftedRows(std::size_t begin, std::size_t by) {
+  return [begin, by](MadeCapture& capture) {
+    const std::vector<Observation> right = capture.observations;
+    for (std::size_t k = std::max(begin, by); k < right.size(); ++k) {
+      capture.observations[k].q = right[k - by].q;
+      capture.observations[k].T_base_flange = right[k - by].T_base_flange;
+    }
+    capture.observations.erase(capture.observations.begin(),
+                               capture.observations.begin() + static_cast<std::ptrdiff_t>(begin == 0 ? by : 0));
+  };
+}
+
+Spoil sizedTarget(double factor) {
+  return [factor](MadeCapture& capture) {
+    for (Observation& observation : capture.observations) {
+      for (CornerMeasurement& corner : observation.corners) corner.p_target *= factor;
+    }
+  };
+}
+
+Spoil sizedArm(double factor) {
+  return [factor](MadeCapture& capture) {
+    Arm& arm = *capture.told.arm;
+    for (Joint& joint : arm.joints) {
+      joint.anchor *= factor;
+      if (joint.type == JointType::kRevolute) joint.xi.tail<3>() *= factor;
+    }
+    Eigen::Isometry3d tip = expSe3(arm.gamma);
+    tip.translation() *= factor;
+    arm.gamma = logSe3(tip);
+  };
+}
+
+Spoil ofLens(double factor) {
+  return [factor](MadeCapture& capture) {
+    Camera& camera = *capture.told.camera;
+    camera.width = static_cast<int>(factor * camera.width);
+    camera.height = static_cast<int>(factor * camera.height);
+    camera.fx *= factor;
+    camera.fy *= factor;
+    camera.cx = factor * (camera.cx + 0.5) - 0.5;
+    camera.cy = factor * (camera.cy + 0.5) - 0.5;
+  };
+}
+
+void addOfJoints(const Arm& arm, std::vector<std::tuple<std::string, std::string, Spoil>>& list) {
+  const auto revolute = [&arm](Eigen::Index k) { return arm.joints[static_cast<std::size_t>(k)].type == JointType::kRevolute; };
+  list.emplace_back("degrees", "degrees", ofReadings([revolute](Eigen::VectorXd& q) {
+                      for (Eigen::Index k = 0; k < q.size(); ++k) q(k) *= revolute(k) ? 180.0 / M_PI : 1.0;
+                    }));
+  list.emplace_back("sign", "q2 counts the other way", ofReadings([](Eigen::VectorXd& q) { q(1) = -q(1); }));
+  list.emplace_back("two signs", "count the other way", ofReadings([](Eigen::VectorXd& q) {
+                      q(0) = -q(0);
+                      q(3) = -q(3);
+                    }));
+  if (revolute(2)) {
+    list.emplace_back("alphabet", "q1 and q3 are exchanged", ofReadings([](Eigen::VectorXd& q) { std::swap(q(0), q(2)); }));
+  }
+  list.emplace_back("exchanged", "q2 and q4 are exchanged", ofReadings([](Eigen::VectorXd& q) { std::swap(q(1), q(3)); }));
+  list.emplace_back("zero", "the zero of q2 is off by 90 degrees", ofReadings([](Eigen::VectorXd& q) { q(1) += M_PI_2; }));
+  list.emplace_back("robot in mm", "millimetres", sizedArm(1e3));
+}
+
+void addOfPoses(std::vector<std::tuple<std::string, std::string, Spoil>>& list) {
+  list.emplace_back("poses in mm", "millimetres", ofPoses([](Eigen::Isometry3d T) {
+                      T.translation() *= 1e3;
+                      return T;
+                    }));
+  list.emplace_back("wxyz", "another order of the quaternion", ofRotations([](const Eigen::Matrix3d& R) {
+                      const Eigen::Quaterniond q(R);  // w, x, y, z stand where x, y, z, w are read
+                      return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
+                    }));
+  list.emplace_back("conjugate", "conjugate", ofRotations([](const Eigen::Matrix3d& R) { return Eigen::Matrix3d(R.transpose()); }));
+  list.emplace_back("inverted", "inverted", ofPoses([](const Eigen::Isometry3d& T) { return T.inverse(); }));
+  list.emplace_back("rotation vectors", "rotation vectors that were taken for roll, pitch, yaw", ofRotations([](const Eigen::Matrix3d& R) {
+                      const Eigen::Vector3d a = logSo3(R);
+                      return Eigen::Matrix3d(expSo3({0, 0, a.z()}) * expSo3({0, a.y(), 0}) * expSo3({a.x(), 0, 0}));
+                    }));
+}
+
+void addOfPictures(const MadeCapture& good, std::vector<std::tuple<std::string, std::string, Spoil>>& list) {
+  const Setup setup = good.told.registration.setup;
+  const Setup other = setup == Setup::kEyeToHand ? Setup::kEyeInHand : Setup::kEyeToHand;
+  list.emplace_back("setup", std::string("looks like setup: ") + setupName(setup),
+                    [other](MadeCapture& capture) { capture.told.registration.setup = other; });
+  list.emplace_back("target in mm", "millimetres", sizedTarget(1e3));
+  list.emplace_back("margin", "0.8", sizedTarget(1.25));
+  list.emplace_back("small tag", "1.", sizedTarget(0.7));
+  list.emplace_back("half the resolution", "2 of the camera's resolution", ofLens(0.5));
+}
+
+}  // namespace
+
+std::vector<Spoilt> spoiltCaptures(const CaptureKind& kind, const MadeCapture& good) {
+  std::vector<std::tuple<std::string, std::string, Spoil>> list;
+  if (good.told.arm) addOfJoints(*good.told.arm, list);
+  if (kind.readings != Readings::kJoints) addOfPoses(list);
+  if (kind.readings != Readings::kTracker) addOfPictures(good, list);
+  list.emplace_back("shifted", "shifted by one", shiftedRows(0, 1));
+  list.emplace_back("shifted from a row on", "from this row on the rows are shifted by 2",
+                    shiftedRows(good.observations.size() * 3 / 5, 2));
+  std::vector<Spoilt> spoilt;
+  for (const auto& [name, said, spoil] : list) {
+    spoilt.push_back({name, said, good});
+    spoil(spoilt.back().capture);
+  }
+  return spoilt;
+}
+
+}  // namespace poecal::test
