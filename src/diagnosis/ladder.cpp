@@ -94,7 +94,10 @@ Rung Ladder::judged(const std::string& stage, HeldOut kind, Fit fit) const {
       (std::binary_search(folds[f].begin(), folds[f].end(), g) ? test : train).push_back(groups[g]);
     }
     const Fitted model = fit(train);
-    addErrors(selection_.measured, linearise(selection_.measured, model.state, model.accepted, {}, test), kept_, errors);
+    // Of a fold whose poses were all set aside nothing is left; no groups would mean all of them.
+    if (!test.empty()) {
+      addErrors(selection_.measured, linearise(selection_.measured, model.state, model.accepted, {}, test), kept_, errors);
+    }
     if (kind != HeldOut::kRandom) continue;
     // Rows that were set aside are in no fit, and are judged by that of their fold all the same.
     Groups set_aside;
