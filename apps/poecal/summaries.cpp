@@ -124,7 +124,7 @@ std::string diagnosisSummary(const CalibrationRun& run) {
   const Calibration& calibration = run.calibration;
   if (!calibration.diagnosis) return fmt::format("no diagnosis: {}\n", calibration.no_diagnosis);
   std::string text = diagnosisText(*calibration.diagnosis, run.measurements.samples);
-  if (calibration.model_source == ModelSource::kIdentified) {
+  if (calibration.model_source == ModelSource::kIdentified && !calibration.diagnosis->findings.empty()) {
     text += fmt::format("  model.yaml is the identified one, without effects: {}\n", calibration.model_reason);
   }
   return text;

@@ -13,25 +13,26 @@ const Identification& diagnosisStart(const Identification& identification) {
   return identification.with_stated_camera ? *identification.with_stated_camera : identification;
 }
 
-/// The rms on held-out poses of the last model stage [px]; nothing where no pose was held out, or an instrument measured poses.
-std::optional<double> heldOutPixels(const Identification& identification) {
-  const ErrorSummary& held_out = identification.stages.back().held_out_kept;
-  return held_out.corners > 0 ? std::optional(held_out.px.rms) : std::nullopt;
-}
-
-/// Keeps the diagnosed model, unless the identified one predicts held-out poses clearly better: where it re-fitted a lens that no single
-/// effect mends, or where no model file can hold what is left.
+/// Keeps the diagnosed model where something was found, unless the identified one predicts held-out poses clearly better: where it
+/// re-fitted a lens that no single effect mends, or where no model file can hold what is left.
 void keepModel(const Identification& identification, Calibration& calibration) {
   constexpr double kClearly = 0.95;
   const Diagnosis& diagnosis = *calibration.diagnosis;
-  const std::optional<double> identified = heldOutPixels(identification);
-  if (identified && *identified > 0.0 && *identified < kClearly * diagnosis.stages.back().rms) {
-    calibration.model_reason = fmt::format("it predicts poses that it did not see to {:.3f} px", *identified);
+  if (diagnosis.findings.empty()) {
+    calibration.model_reason = "nothing was found that it leaves out";
+    return;
+  }
+  const ErrorSummary& held_out = identification.stages.back().held_out_kept;
+  const double identified = diagnosis.pixels ? held_out.px.rms : held_out.position.rms;
+  if (identified > 0.0 && identified < kClearly * diagnosis.stages.back().rms) {
+    calibration.model_reason =
+        fmt::format("it predicts poses that it did not see to {}",
+                    diagnosis.pixels ? fmt::format("{:.3f} px", identified) : fmt::format("{:.3f} mm", 1e3 * identified));
     return;
   }
   calibration.model = diagnosis.model;
   calibration.model_source = ModelSource::kDiagnosed;
-  calibration.model_reason = diagnosis.findings.empty() ? "nothing was found that it leaves out" : "it holds the effects that were found";
+  calibration.model_reason = "it holds the effects that were found";
 }
 
 void addDiagnosis(const Measurements& measurements, const CalibrateOptions& options, Calibration& calibration) {
