@@ -46,8 +46,8 @@ int pixels(const YamlNode& node) {
   return static_cast<int>(value);
 }
 
-void readSize(const CameraKeys& keys, PictureSize size, Camera& camera) {
-  if (!keys.size && !keys.width && !keys.height && size == PictureSize::kMayBeMissing) return;
+void readSize(const CameraKeys& keys, SizeKeys size, Camera& camera) {
+  if (!keys.size && !keys.width && !keys.height && size == SizeKeys::kMayBeMissing) return;
   if (keys.size && !keys.width && !keys.height) {
     const std::vector<YamlNode> items = keys.size->items();
     if (items.size() != 2) keys.size->fail(fmt::format("{} numbers, expected width and height", items.size()));
@@ -169,7 +169,7 @@ std::string matrixYaml(const char* key, int rows, int cols, const Eigen::VectorX
 
 }  // namespace
 
-Camera parseCamera(const YamlNode& node, PictureSize size) {
+Camera parseCamera(const YamlNode& node, SizeKeys size) {
   const CameraKeys keys = findCameraKeys(node);
   Camera camera;
   readSize(keys, size, camera);
@@ -214,7 +214,7 @@ std::string cameraYamlBlock(const Camera& camera, int indent) {
 
 Camera readCamera(const std::filesystem::path& file) { return parseCamera(YamlNode::load(file)); }
 
-Camera readCameraOfPictures(const std::filesystem::path& file) { return parseCamera(YamlNode::load(file), PictureSize::kMayBeMissing); }
+Camera readCameraOfPictures(const std::filesystem::path& file) { return parseCamera(YamlNode::load(file), SizeKeys::kMayBeMissing); }
 
 std::string cameraYaml(const Camera& camera) { return cameraYamlBlock(camera, 0); }
 

@@ -8,10 +8,10 @@
 
 namespace poecal {
 
-enum class PictureSize { kNeeded, kMayBeMissing };
+enum class SizeKeys { kNeeded, kMayBeMissing };
 
 /// @throws FileError as readCamera.
-Camera parseCamera(const YamlNode& node, PictureSize size = PictureSize::kNeeded);
+Camera parseCamera(const YamlNode& node, SizeKeys size = SizeKeys::kNeeded);
 
 /// The map's lines, each behind `indent` spaces; numbers read back as the same bits. All coefficients of the model are written. A
 /// standard deviation that is not finite is left out, and the whole map where none is stated.

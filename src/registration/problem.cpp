@@ -114,8 +114,7 @@ double calibratedMisfit(const Problem& problem, const Registration& start) {
   AdjustmentOptions options = registrationAdjustment(true);
   if (cell.arm) {
     options.free.twists = true;
-    options.tolerance_rotation = kLooseRotation;
-    options.tolerance_position = kLoosePosition;
+    options.twists = TwistPrior(*cell.arm, kLoosePosition, kLooseRotation);
     options.max_iterations = 30;
     cell = adjust(cell, problem.observations, options).cell;
   }
