@@ -37,7 +37,7 @@ void writeWhereNew(const std::filesystem::path& file, const std::string& content
 Detections detectionsOf(const Capture& capture, const Camera& camera, const std::filesystem::path& out, int jobs, Listener& listener) {
   const Target* reference = capture.reference ? &*capture.reference : nullptr;
   if (!capture.detections_file.empty()) {
-    Detections detections = readDetections(capture.detections_file, capture.target, reference, PictureSize{camera.width, camera.height});
+    Detections detections = readDetections(capture.detections_file, capture.target, reference, ImageSize{camera.width, camera.height});
     listener.warnings(checkImagesMeet(capture.table, detections, capture.detections_file));
     return detections;
   }

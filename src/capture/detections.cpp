@@ -70,7 +70,7 @@ const ImageCorners* Detections::find(const std::string& image) const {
 }
 
 Detections readDetections(const std::filesystem::path& file, const Target& target, const Target* also_in_view,
-                          const std::optional<PictureSize>& size) {
+                          const std::optional<ImageSize>& size) {
   const CsvTable csv = CsvTable::read(file);
   const std::size_t image = csv.column("image"), tag = csv.column("tag"), corner = csv.column("corner");
   const std::size_t u = csv.column("u"), v = csv.column("v");

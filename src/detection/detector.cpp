@@ -102,19 +102,19 @@ PictureFinding searchOnce(const PictureFile& file, FinderPool& finders, const st
 }
 
 /// A picture whose header states another size than `size` is not decoded: that takes memory and time, and nothing comes of it.
-PictureFinding searchOfSize(const PictureFile& file, const PictureSize& size, const std::function<PictureFinding()>& whole_search) {
+PictureFinding searchOfSize(const PictureFile& file, const ImageSize& size, const std::function<PictureFinding()>& whole_search) {
   if (file.bytes.empty()) return unreadable(file.problem);
-  const std::optional<PictureSize> stated = sizeInHeader(file.bytes);
+  const std::optional<ImageSize> stated = sizeInHeader(file.bytes);
   if (stated && *stated != size) return {{}, {}, stated->width, stated->height};
   return whole_search();
 }
 
 /// The size that all pictures must have: what is expected, or that which most of their headers state, the first of these where several do.
-PictureSize commonSize(const std::filesystem::path& folder, const std::vector<std::string>& images, const DetectOptions& options) {
+ImageSize commonSize(const std::filesystem::path& folder, const std::vector<std::string>& images, const DetectOptions& options) {
   if (options.expected_width > 0 && options.expected_height > 0) return {options.expected_width, options.expected_height};
-  std::vector<std::pair<PictureSize, int>> sizes;
+  std::vector<std::pair<ImageSize, int>> sizes;
   for (const std::string& image : images) {
-    const std::optional<PictureSize> size = sizeInHeader(readPictureFile(folder / image).bytes);
+    const std::optional<ImageSize> size = sizeInHeader(readPictureFile(folder / image).bytes);
     if (!size) continue;
     const auto known = std::find_if(sizes.begin(), sizes.end(), [&](const auto& entry) { return entry.first == *size; });
     if (known == sizes.end()) {
@@ -124,7 +124,7 @@ PictureSize commonSize(const std::filesystem::path& folder, const std::vector<st
     }
   }
   const auto most = std::max_element(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == sizes.end() ? PictureSize{} : most->first;
+  return most == sizes.end() ? ImageSize{} : most->first;
 }
 
 }  // namespace
@@ -152,7 +152,7 @@ DetectResult detect(const std::filesystem::path& folder, const std::vector<std::
   FinderPool finders(target, options);
   const std::string key = known != nullptr ? detectionKey(target, options) : "";
   std::vector<PictureFinding> findings(images.size());
-  PictureSize size = commonSize(folder, images, options);
+  ImageSize size = commonSize(folder, images, options);
   Progress progress(options.progress, "detecting", images.size());
   parallelFor(images.size(), options.jobs, [&](std::size_t k) {
     try {
@@ -174,7 +174,7 @@ DetectResult detect(const std::filesystem::path& folder, const std::vector<std::
   bool any_corners = false;
   for (std::size_t k = 0; k < images.size(); ++k) {
     PictureFinding& finding = findings[k];
-    if (isReadable(finding) && PictureSize{finding.width, finding.height} != size) {
+    if (isReadable(finding) && ImageSize{finding.width, finding.height} != size) {
       finding = {{}, {fmt::format("is {} x {} pixels, expected {} x {}", finding.width, finding.height, size.width, size.height)}};
     } else if (isReadable(finding)) {
       readable.push_back(images[k]);

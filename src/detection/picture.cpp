@@ -88,7 +88,7 @@ Picture decodePicture(const PictureFile& file) {
   if (file.bytes.empty()) return {{}, file.problem};
   constexpr const char* kNoPicture = "is not a picture that can be read, expected PNG, JPEG or TIFF";
   if (isCutShort(file.bytes)) return {{}, "the file is cut short"};
-  const std::optional<PictureSize> size = sizeInHeader(file.bytes);
+  const std::optional<ImageSize> size = sizeInHeader(file.bytes);
   if (!size) return {{}, kNoPicture};
   if (size->pixels() > kMostPixels) {
     return {{}, fmt::format("is {} x {} pixels, expected at most {:.0f} million", size->width, size->height, 1e-6 * kMostPixels)};

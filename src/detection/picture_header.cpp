@@ -31,18 +31,18 @@ class Bytes {
 
 int clamped(std::uint64_t value) { return static_cast<int>(std::min<std::uint64_t>(value, std::numeric_limits<int>::max())); }
 
-std::optional<PictureSize> sizeOf(const std::optional<std::uint64_t>& width, const std::optional<std::uint64_t>& height) {
+std::optional<ImageSize> sizeOf(const std::optional<std::uint64_t>& width, const std::optional<std::uint64_t>& height) {
   if (!width || !height || *width == 0 || *height == 0) return std::nullopt;
-  return PictureSize{clamped(*width), clamped(*height)};
+  return ImageSize{clamped(*width), clamped(*height)};
 }
 
-std::optional<PictureSize> pngSize(std::string_view bytes) {
+std::optional<ImageSize> pngSize(std::string_view bytes) {
   const Bytes file(bytes, true);
   return sizeOf(file.number(16, 4), file.number(20, 4));
 }
 
 /// Walks the segments to the first frame header (SOF0 to SOF15, but for the tables DHT, JPG and DAC among these numbers).
-std::optional<PictureSize> jpegSize(std::string_view bytes) {
+std::optional<ImageSize> jpegSize(std::string_view bytes) {
   const Bytes file(bytes, true);
   for (std::uint64_t at = 2;;) {
     const auto marker = file.number(at, 2);
@@ -65,7 +65,7 @@ std::optional<PictureSize> jpegSize(std::string_view bytes) {
 }
 
 /// The tags ImageWidth and ImageLength of the first directory, of a TIFF or a BigTIFF.
-std::optional<PictureSize> tiffSize(std::string_view bytes) {
+std::optional<ImageSize> tiffSize(std::string_view bytes) {
   constexpr std::uint64_t kWidth = 256, kLength = 257;
   const Bytes file(bytes, bytes.starts_with("MM"));
   const bool big = file.number(2, 2) == 43;
@@ -86,7 +86,7 @@ std::optional<PictureSize> tiffSize(std::string_view bytes) {
 }
 
 /// Heights below zero are of pictures whose first row is the upper one.
-std::optional<PictureSize> bmpSize(std::string_view bytes) {
+std::optional<ImageSize> bmpSize(std::string_view bytes) {
   const Bytes file(bytes, false);
   const auto header = file.number(14, 4);
   if (!header) return std::nullopt;
@@ -97,7 +97,7 @@ std::optional<PictureSize> bmpSize(std::string_view bytes) {
 }
 
 /// The first two numbers behind P1 to P6; lines of comments begin with #.
-std::optional<PictureSize> pnmSize(std::string_view bytes) {
+std::optional<ImageSize> pnmSize(std::string_view bytes) {
   std::optional<std::uint64_t> numbers[2];
   bytes.remove_prefix(2);
   for (auto& number : numbers) {
@@ -117,7 +117,7 @@ std::optional<PictureSize> pnmSize(std::string_view bytes) {
 
 }  // namespace
 
-std::optional<PictureSize> sizeInHeader(std::string_view bytes) {
+std::optional<ImageSize> sizeInHeader(std::string_view bytes) {
   using namespace std::string_view_literals;
   if (bytes.starts_with("\x89PNG\r\n\x1a\n"sv)) return pngSize(bytes);
   if (bytes.starts_with("\xFF\xD8\xFF"sv)) return jpegSize(bytes);

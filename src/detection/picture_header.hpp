@@ -10,6 +10,6 @@ namespace poecal {
 
 /// Width and height in the header of a PNG, JPEG, TIFF, BMP or PNM file; nothing where it is none of these or its header is not whole.
 /// Sizes beyond what an int holds are the largest int.
-std::optional<PictureSize> sizeInHeader(std::string_view bytes);
+std::optional<ImageSize> sizeInHeader(std::string_view bytes);
 
 }  // namespace poecal

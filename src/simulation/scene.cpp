@@ -198,7 +198,7 @@ Scene readScene(const std::filesystem::path& file) {
   if (const auto name = root.find("name")) scene.name = name->text();
   readArms(root, scene);
   scene.camera = readCamera(namedFile(root["camera"]));
-  if (PictureSize{scene.camera.width, scene.camera.height}.pixels() > kMostPixels) {
+  if (ImageSize{scene.camera.width, scene.camera.height}.pixels() > kMostPixels) {
     root["camera"].fail(
         fmt::format("has {} x {} pixels, expected at most {} million", scene.camera.width, scene.camera.height, 1e-6 * kMostPixels));
   }

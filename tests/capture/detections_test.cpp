@@ -54,11 +54,11 @@ TEST_F(DetectionsFile, WhatIsWrittenReadsBackBitForBit) {
 }
 
 TEST_F(DetectionsFile, CornersThatNoPictureHoldsAreRefused) {
-  const auto errorIn = [&](const std::string& rows, const std::optional<PictureSize>& size) {
+  const auto errorIn = [&](const std::string& rows, const std::optional<ImageSize>& size) {
     const auto file = folder_.write("detections.csv", "image,tag,corner,u,v\n" + rows);
     return test::messageOf<FileError>([&] { readDetections(file, target_, nullptr, size); });
   };
-  const PictureSize size{640, 480};
+  const ImageSize size{640, 480};
   EXPECT_EQ(errorIn("a.png,7,0,-0.5,-0.5\na.png,7,1,639.5,479.5\n", size), "no error");
   EXPECT_EQ(errorIn("a.png,7,0,-6,-4\na.png,7,1,645,484\n", size), "no error") << "a fitted corner may lie a little outside";
   EXPECT_THAT(errorIn("a.png,7,0,1,1\na.png,7,1,953.25,20\n", size),

@@ -76,16 +76,16 @@ TEST(Picture, TheHeaderStatesTheSize) {
     cv::Mat picture = gradient();
     if (extension == std::string(".ppm")) cv::merge(std::vector<cv::Mat>(3, gradient()), picture);
     const std::string whole = encoded(extension, picture);
-    EXPECT_EQ(sizeInHeader(whole), (PictureSize{50, 40})) << extension;
+    EXPECT_EQ(sizeInHeader(whole), (ImageSize{50, 40})) << extension;
     // Wherever it is cut there is the same size or none.
     for (std::size_t length = 0; length < whole.size(); ++length) {
-      const std::optional<PictureSize> size = sizeInHeader(std::string_view(whole).substr(0, length));
+      const std::optional<ImageSize> size = sizeInHeader(std::string_view(whole).substr(0, length));
       const bool numbers_may_be_cut = extension == std::string(".pgm") || extension == std::string(".ppm");
-      EXPECT_TRUE(!size || numbers_may_be_cut || *size == (PictureSize{50, 40})) << extension << " " << length;
+      EXPECT_TRUE(!size || numbers_may_be_cut || *size == (ImageSize{50, 40})) << extension << " " << length;
     }
   }
-  EXPECT_EQ(sizeInHeader("P5 # taken by hand\n# again\n 640\n480 255\n"), (PictureSize{640, 480}));
-  EXPECT_EQ(sizeInHeader("P5 99999999999 7 255\n"), (PictureSize{std::numeric_limits<int>::max(), 7}));
+  EXPECT_EQ(sizeInHeader("P5 # taken by hand\n# again\n 640\n480 255\n"), (ImageSize{640, 480}));
+  EXPECT_EQ(sizeInHeader("P5 99999999999 7 255\n"), (ImageSize{std::numeric_limits<int>::max(), 7}));
   EXPECT_EQ(sizeInHeader("P5 0 7 255\n"), std::nullopt);
   EXPECT_EQ(sizeInHeader("GIF89a"), std::nullopt);
   EXPECT_EQ(sizeInHeader(""), std::nullopt);
@@ -95,7 +95,7 @@ TEST(Picture, BigEndianAndLongSizesAreUnderstood) {
   using namespace std::string_literals;
   // Two entries, ImageWidth as SHORT and ImageLength as LONG, in the order of Motorola.
   EXPECT_EQ(sizeInHeader("MM\0*\0\0\0\x08\0\x02\x01\0\0\x03\0\0\0\x01\x02\x80\0\0\x01\x01\0\x04\0\0\0\x01\0\0\x01\xe0"s),
-            (PictureSize{640, 480}));
+            (ImageSize{640, 480}));
   // A directory that lies behind the end of the file.
   EXPECT_EQ(sizeInHeader("II*\0\xff\xff\xff\xff"s), std::nullopt);
   // A JPEG whose segment has no length worth the name, and one whose fill bytes never end.

@@ -35,10 +35,10 @@ struct Detections {
 };
 
 /// Width and height of pictures [px].
-struct PictureSize {
+struct ImageSize {
   int width = 0, height = 0;
   double pixels() const { return static_cast<double>(width) * height; }
-  bool operator==(const PictureSize&) const = default;
+  bool operator==(const ImageSize&) const = default;
 };
 constexpr double kMostPixels = 2e8;  ///< larger pictures are not read: no camera takes them, and they fill the memory
 
@@ -49,7 +49,7 @@ constexpr double kMostPixels = 2e8;  ///< larger pictures are not read: no camer
 /// @param also_in_view  a second target (a reference) whose corners the file may hold too: they are left out here. nullptr: none.
 /// @param size          of the pictures; nothing: not known, and every corner within 1e6 px may be one.
 Detections readDetections(const std::filesystem::path& file, const Target& target, const Target* also_in_view = nullptr,
-                          const std::optional<PictureSize>& size = std::nullopt);
+                          const std::optional<ImageSize>& size = std::nullopt);
 /// The sigma column is written only where some corner states one.
 std::string detectionsCsv(const Detections& detections);
 
