@@ -59,6 +59,13 @@ std::string deviationText(const IntrinsicsFit& fit, const std::string& name, dou
   return std::isfinite(deviation) ? fmt::format("+- {:.2g}", deviation) : "(open)";
 }
 
+std::string judgementText(const ViewResidual& view, bool is_robust) {
+  std::string text = view.bad ? ", bad" : "";
+  if (is_robust && view.left_out) return text + ", left out";
+  if (is_robust && view.outliers > 0) text += fmt::format(", {} of {} corners do not count", view.outliers, view.points);
+  return text;
+}
+
 std::string summaryText(const Arguments& arguments, const IntrinsicsResult& result) {
   constexpr std::size_t kWorstShown = 3;
   const IntrinsicsFit& fit = result.chosen();
@@ -77,9 +84,7 @@ std::string summaryText(const Arguments& arguments, const IntrinsicsResult& resu
   text += "worst pictures:\n";
   for (std::size_t k = 0; k < std::min(kWorstShown, worst.size()); ++k) {
     text += fmt::format("  {}  {:.3f} px rms, {:.2f} px at most{}\n", worst[k]->image, worst[k]->rms_px, worst[k]->max_px,
-                        !worst[k]->bad     ? ""
-                        : result.is_robust ? "  (bad, left out)"
-                                           : "  (bad)");
+                        judgementText(*worst[k], result.is_robust));
   }
   return text + fmt::format("{}: every picture's residuals\n", residualsFile(arguments.out).string());
 }
@@ -92,9 +97,10 @@ nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& r
     parameters[names[k]] = fit.camera.parameters()(static_cast<Eigen::Index>(k));
     deviations[names[k]] = fit.camera.standard_deviation(static_cast<Eigen::Index>(k));  // NaN becomes null
   }
-  nlohmann::json bad = nlohmann::json::array();
+  nlohmann::json bad = nlohmann::json::array(), left_out = nlohmann::json::array();
   for (const ViewResidual& view : result.views) {
     if (view.bad) bad.push_back(view.image);
+    if (view.left_out && result.is_robust) left_out.push_back(view.image);
   }
   return {{"camera", arguments.out.string()},
           {"residuals", residualsFile(arguments.out).string()},
@@ -109,6 +115,7 @@ nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& r
           {"held", fit.held},
           {"projection_uncertainty_px", {{"median", fit.uncertainty.median_px}, {"largest", fit.uncertainty.largest_px}}},
           {"bad_pictures", bad},
+          {"left_out", left_out},
           {"warnings", result.warnings}};
 }
 
