@@ -27,20 +27,21 @@ struct Arguments {
 constexpr const char* kExample = R"(
 Example:
   $ poecal intrinsics capture/intrinsics --out camera.yaml
-  camera.yaml: plumb_bob, 13 pictures, 702 points, 0.181 px rms
-    fx      533.301 +- 0.41
-    fy      533.365 +- 0.43
-    cx      342.127 +- 0.43
-    cy      234.045 +- 0.47
-    k1     -0.28094 +- 0.005
-    k2      0.02911 +- 0.039
-    p1      0.00112 +- 0.0001
-    p2     -0.00005 +- 0.00013
-    k3      0.15209 +- 0.082
+  camera.yaml: plumb_bob, 13 pictures, 702 points, 0.175 px rms
+    fx      533.276 +- 0.89
+    fy      533.335 +- 0.93
+    cx      342.139 +- 0.93
+    cy      233.922 +- 1
+    k1     -0.28333 +- 0.011
+    k2      0.04812 +- 0.082
+    p1      0.00110 +- 0.00022
+    p2     -0.00004 +- 0.00028
+    k3      0.11215 +- 0.17
+  projection: 1 sigma is 0.47 px in the median over the picture, 11 px at most
   worst pictures:
-    chessboard-08.jpg  0.236 px rms, 0.47 px at most
-    chessboard-09.jpg  0.203 px rms, 0.53 px at most
-    chessboard-12.jpg  0.199 px rms, 0.50 px at most
+    chessboard-02.jpg  1.514 px rms, 6.33 px at most, bad, 6 of 54 corners do not count
+    chessboard-12.jpg  0.542 px rms, 3.30 px at most, 5 of 54 corners do not count
+    chessboard-09.jpg  0.337 px rms, 1.48 px at most, 3 of 54 corners do not count
   camera-residuals.csv: every picture's residuals
 )";
 
