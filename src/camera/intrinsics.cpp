@@ -27,6 +27,15 @@ void checkViews(const std::vector<BoardView>& views, int width, int height) {
   }
 }
 
+/// Root mean square of the 95 % smallest.
+double trimmedRms(const Eigen::VectorXd& distances) {
+  constexpr double kTrimmed = 0.05;
+  std::vector<double> sorted(distances.begin(), distances.end());
+  std::sort(sorted.begin(), sorted.end());
+  sorted.resize(sorted.size() - static_cast<std::size_t>(std::ceil(kTrimmed * static_cast<double>(sorted.size()))));
+  return rms(sorted);
+}
+
 /// Residuals of every given picture under a camera, its pose fitted again. @param sigma_px  as fitView().
 std::vector<ViewResidual> residualsOf(const std::vector<BoardView>& given, const Camera& camera, double sigma_px) {
   std::vector<ViewResidual> residuals;
@@ -42,29 +51,39 @@ std::vector<ViewResidual> residualsOf(const std::vector<BoardView>& given, const
     entry.outliers = static_cast<int>((fit->weights.array() < 0.5).count());
     entry.T_camera_target = fit->T_camera_target;
     entry.rms_px = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size()));
-    entry.level_px = std::sqrt(2.0) * sigmaOfMedian(median({distances.begin(), distances.end()}));
+    entry.level_px = trimmedRms(distances);
+    entry.typical_px = std::sqrt(2.0) * sigmaOfMedian(median({distances.begin(), distances.end()}));
     entry.max_px = distances.maxCoeff();
   }
   return residuals;
 }
 
+/// What a figure of the pictures may be before it is far beyond the others'.
+double limitOf(const std::vector<double>& values, const IntrinsicsOptions& options) {
+  constexpr double kHarmless_px = 0.02;  // better than any detector: a picture of that level is bad only among exact ones
+  const double middle = median(values);
+  return std::max({middle + options.bad_view_sigmas * robustSigma(values), options.bad_view_factor * middle, kHarmless_px});
+}
+
 /// Marks the bad ones as IntrinsicsOptions says.
 void markBad(std::vector<ViewResidual>& residuals, const IntrinsicsOptions& options) {
-  constexpr double kHarmless_px = 0.02;  // better than any detector: a picture of that level is bad only among exact ones
-  std::vector<double> levels;
+  std::vector<double> levels, typical;
   std::vector<ViewResidual*> worst_first;
   for (ViewResidual& entry : residuals) {
-    entry.bad = false;
+    entry.bad = entry.left_out = false;
     if (!entry.used) continue;
     levels.push_back(entry.level_px);
+    typical.push_back(entry.typical_px);
     worst_first.push_back(&entry);
   }
   std::stable_sort(worst_first.begin(), worst_first.end(), [](const auto* a, const auto* b) { return a->level_px > b->level_px; });
-  const double middle = median(levels);
-  const double limit = std::max({middle + options.bad_view_sigmas * robustSigma(levels), options.bad_view_factor * middle, kHarmless_px});
+  const double limit = limitOf(levels, options), typical_limit = limitOf(typical, options);
   const std::size_t beyond_least = worst_first.size() - std::min(worst_first.size(), kLeastPictures);
   const std::size_t most = std::min(worst_first.size() / 4, beyond_least);
-  for (std::size_t k = 0; k < most; ++k) worst_first[k]->bad = worst_first[k]->level_px > limit;
+  for (std::size_t k = 0; k < most; ++k) {
+    worst_first[k]->bad = worst_first[k]->level_px > limit;
+    worst_first[k]->left_out = worst_first[k]->bad && worst_first[k]->typical_px > typical_limit;
+  }
 }
 
 /// The covariance of the free parameters among all of them; zeros for the others.
@@ -105,17 +124,18 @@ Solution withoutBad(const std::vector<BoardView>& given, const std::vector<ViewR
                     const IntrinsicsOptions& options) {
   Views good;
   for (const BoardView* view : all.views) {
-    if (!residuals[static_cast<std::size_t>(view - given.data())].bad) good.push_back(view);
+    if (!residuals[static_cast<std::size_t>(view - given.data())].left_out) good.push_back(view);
   }
   return fitRobustly(all, good, options);
 }
 
-bool sameBad(const std::vector<ViewResidual>& a, const std::vector<ViewResidual>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ViewResidual& x, const ViewResidual& y) { return x.bad == y.bad; });
+bool sameLeftOut(const std::vector<ViewResidual>& a, const std::vector<ViewResidual>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const ViewResidual& x, const ViewResidual& y) { return x.left_out == y.left_out; });
 }
 
-/// Marks the bad pictures in `views` and fits without them. A bad picture bends the camera that it is judged by, so the fit without it
-/// judges again, until it agrees.
+/// Marks the bad pictures in `views` and fits without those left out. A bad picture bends the camera that it is judged by, so the fit
+/// without it judges again, until it agrees.
 Solution setBadAside(const std::vector<BoardView>& given, const Solution& all, const IntrinsicsOptions& options,
                      std::vector<ViewResidual>& views) {
   constexpr int kMaxRounds = 5;
@@ -126,8 +146,9 @@ Solution setBadAside(const std::vector<BoardView>& given, const Solution& all, c
     if (round + 1 == kMaxRounds) return robust;
     std::vector<ViewResidual> again = residualsOf(given, robust.fit.estimate.camera, robust.sigma());
     markBad(again, options);
-    if (sameBad(again, views)) return robust;
+    const bool agrees = sameLeftOut(again, views);
     views = std::move(again);
+    if (agrees) return robust;
   }
 }
 
@@ -139,24 +160,29 @@ std::vector<std::string> pictureWarnings(const IntrinsicsResult& result) {
   std::vector<std::string> warnings;
   std::string bad;
   std::vector<double> good_rms;
+  int wild = 0;
+  constexpr double kHarmless_px = 0.1;  // what usual detectors reach; rendered pictures have outliers below that nobody need look for
   for (const ViewResidual& entry : result.views) {
     if (entry.points == 0) continue;  // the detector has said why
+    if (!entry.left_out && entry.max_px > kHarmless_px) wild += entry.outliers;
     if (!entry.used) {
       warnings.push_back(
           fmt::format("{} is not used: {} points of the board, expected at least 4 that fix its pose", entry.image, entry.points));
     } else if (entry.bad) {
-      bad += fmt::format("{}{} ({:.2f} px rms)", bad.empty() ? "" : ", ", entry.image, entry.rms_px);
+      bad += fmt::format("{}{} ({:.2f} px rms, {})", bad.empty() ? "" : ", ", entry.image, entry.rms_px,
+                         entry.left_out ? "left out" : fmt::format("{} of {} corners", entry.outliers, entry.points));
     } else {
       good_rms.push_back(entry.rms_px);
     }
   }
   if (!bad.empty()) {
-    warnings.push_back(fmt::format("bad pictures: {}, against {:.2f} px in the median of the others; without them {}, with them {}", bad,
-                                   median(good_rms), figures(result.robust), figures(result.all)));
+    warnings.push_back(
+        fmt::format("bad pictures: {}, against {:.2f} px in the median of the others; without what does not belong {}, with it {}", bad,
+                    median(good_rms), figures(result.robust), figures(result.all)));
   }
-  if (result.is_robust && result.robust.outliers > 0) {
-    warnings.push_back(fmt::format("{} of {} corners count for little or nothing: they are far from where the others put them",
-                                   result.robust.outliers, result.robust.points));
+  if (result.is_robust && wild > 0) {
+    warnings.push_back(fmt::format("{} of {} corners count for little or nothing: they are far from where the others put them", wild,
+                                   result.robust.points));
   }
   return warnings;
 }
@@ -189,7 +215,10 @@ IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int wi
 
   const IntrinsicsFit& chosen = result.chosen();
   std::vector<ViewResidual> residuals = residualsOf(views, chosen.camera, options.robust ? chosen.sigma_px : 0.0);
-  for (std::size_t v = 0; v < views.size(); ++v) residuals[v].bad = result.views[v].bad;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    residuals[v].bad = result.views[v].bad;
+    residuals[v].left_out = result.views[v].left_out;
+  }
   result.views = std::move(residuals);
 
   result.warnings = pictureWarnings(result);

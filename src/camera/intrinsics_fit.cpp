@@ -75,6 +75,18 @@ Told howFarTold(const Solution& solution) {
   return told;
 }
 
+/// Whether two coefficients are told apart so badly that one of them may as well be another's: a variance 500 times that alone.
+bool areEntangled(const Solution& solution) {
+  constexpr double kCorrelation = 0.999;
+  const Eigen::MatrixXd covariance = unitCovariance(solution.fit.information);
+  for (Eigen::Index i = 4; i < covariance.rows(); ++i) {
+    for (Eigen::Index j = 4; j < i; ++j) {
+      if (!(std::abs(covariance(i, j)) <= kCorrelation * std::sqrt(covariance(i, i) * covariance(j, j)))) return true;
+    }
+  }
+  return false;
+}
+
 /// The fit with as many of the free coefficients, in the model's order, as the pictures tell; nothing where the camera alone does not fit.
 std::optional<Solution> withToldCoefficients(const Solution& full, int max_iterations) {
   Solution best = full;
@@ -90,7 +102,7 @@ std::optional<Solution> withToldCoefficients(const Solution& full, int max_itera
     more.free.push_back(parameter);
     const auto fit = fitBoardBundle(more.views, best.fit.estimate, more.free, max_iterations, more.weights);
     if (fit) more.fit = *fit;
-    if (fit && howFarTold(more) == Told::kAll) {
+    if (fit && howFarTold(more) == Told::kAll && !areEntangled(more)) {
       best = std::move(more);
     } else {
       best.held.push_back(parameter);

@@ -141,7 +141,8 @@ TEST(Intrinsics, NamesTheBadPictureAndWhatBecomesOfTheRest) {
   const std::vector<BoardView> one = test::noisy({views[4]}, 1.5, rng);
   views[4] = one[0];
   const IntrinsicsResult result = calibrated(truth, views);
-  for (std::size_t v = 0; v < views.size(); ++v) EXPECT_EQ(result.views[v].bad, v == 4) << v;
+  for (std::size_t v = 0; v < views.size(); ++v) EXPECT_EQ(result.views[v].left_out, v == 4) << v;
+  EXPECT_TRUE(result.views[4].bad);
   EXPECT_EQ(result.all.pictures, 12);
   EXPECT_EQ(result.robust.pictures, 11);
   EXPECT_EQ(result.chosen().pictures, 11);
@@ -174,6 +175,19 @@ TEST(Intrinsics, WildCornersLoseTheirWeightAndTheirPicturesStay) {
   EXPECT_GT(std::abs(result.all.camera.fx - clean.all.camera.fx), 3.0 * clean.all.camera.standard_deviation(0))
       << "or the test proves nothing";
   EXPECT_THAT(result.warnings, Contains(HasSubstr("corners count for little or nothing")));
+}
+
+TEST(Intrinsics, APictureOfSomeWildCornersIsNamedAndItsOthersCount) {
+  Rng rng = test::rngOfThisTest();
+  const Camera truth = test::plumbBobCamera();
+  std::vector<BoardView> views = test::noisy(test::boardScene(truth, 12, rng).views, 0.1, rng);
+  for (Eigen::Index corner = 0; corner < 7; ++corner) views[3].pixels.col(5 * corner) += Eigen::Vector2d(4.0, -3.0);
+  const IntrinsicsResult result = calibrated(truth, views);
+  for (std::size_t v = 0; v < views.size(); ++v) EXPECT_EQ(result.views[v].bad, v == 3) << v;
+  EXPECT_FALSE(result.views[3].left_out);
+  EXPECT_EQ(result.views[3].outliers, 7);
+  EXPECT_EQ(result.robust.pictures, 12);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("7 of 35 corners")));
 }
 
 TEST(Intrinsics, RobustnessCostsLittleWhereNothingIsWrong) {
@@ -252,7 +266,11 @@ TEST(Intrinsics, CoefficientsThatThePicturesDoNotDetermineAreNamed) {
     EXPECT_LT(std::abs(value), held ? 1e-300 : 4.0 * deviation) << k;
   }
   EXPECT_NEAR(result.robust.camera.fx, truth.fx, 4.0 * result.robust.camera.standard_deviation(0));
-  EXPECT_LT(largestPixelDifference(truth, result.robust.camera), 1.0);
+  for (const double u : {26.0, 613.0}) {
+    for (const double v : {26.0, 453.0}) {
+      EXPECT_LT(differenceUpToATurn(truth, result.robust.camera, {u, v}).norm(), 4.0 * result.robust.uncertainty.largest_px);
+    }
+  }
 }
 
 TEST(Intrinsics, NeverSetsAsideMoreThanAQuarter) {

@@ -28,20 +28,21 @@ struct Arguments {
 constexpr const char* kExample = R"(
 Example:
   $ poecal intrinsics capture/intrinsics --out camera.yaml
-  camera.yaml: plumb_bob, 13 pictures, 702 points, 0.181 px rms
-    fx      533.301 +- 0.41
-    fy      533.365 +- 0.43
-    cx      342.127 +- 0.43
-    cy      234.045 +- 0.47
-    k1     -0.28094 +- 0.005
-    k2      0.02911 +- 0.039
-    p1      0.00112 +- 0.0001
-    p2     -0.00005 +- 0.00013
-    k3      0.15209 +- 0.082
+  camera.yaml: plumb_bob, 13 pictures, 702 points, 0.175 px rms
+    fx      533.276 +- 0.89
+    fy      533.335 +- 0.93
+    cx      342.139 +- 0.93
+    cy      233.922 +- 1
+    k1     -0.28333 +- 0.011
+    k2      0.04812 +- 0.082
+    p1      0.00110 +- 0.00022
+    p2     -0.00004 +- 0.00028
+    k3      0.11215 +- 0.17
+  projection: 1 sigma is 0.47 px in the median over the picture, 11 px at most
   worst pictures:
-    chessboard-08.jpg  0.236 px rms, 0.47 px at most
-    chessboard-09.jpg  0.203 px rms, 0.53 px at most
-    chessboard-12.jpg  0.199 px rms, 0.50 px at most
+    chessboard-02.jpg  1.514 px rms, 6.33 px at most, bad, 6 of 54 corners do not count
+    chessboard-12.jpg  0.542 px rms, 3.30 px at most, 5 of 54 corners do not count
+    chessboard-09.jpg  0.337 px rms, 1.48 px at most, 3 of 54 corners do not count
   camera-residuals.csv: every picture's residuals
 )";
 
@@ -58,6 +59,13 @@ std::vector<const ViewResidual*> worstFirst(const IntrinsicsResult& result) {
 std::string deviationText(const IntrinsicsFit& fit, const std::string& name, double deviation) {
   if (std::find(fit.held.begin(), fit.held.end(), name) != fit.held.end()) return "held: any value fits";
   return std::isfinite(deviation) ? fmt::format("+- {:.2g}", deviation) : "(open)";
+}
+
+std::string judgementText(const ViewResidual& view, bool is_robust) {
+  std::string text = view.bad ? ", bad" : "";
+  if (is_robust && view.left_out) return text + ", left out";
+  if (is_robust && view.outliers > 0) text += fmt::format(", {} of {} corners do not count", view.outliers, view.points);
+  return text;
 }
 
 std::string summaryText(const Arguments& arguments, const IntrinsicsResult& result) {
@@ -78,9 +86,7 @@ std::string summaryText(const Arguments& arguments, const IntrinsicsResult& resu
   text += "worst pictures:\n";
   for (std::size_t k = 0; k < std::min(kWorstShown, worst.size()); ++k) {
     text += fmt::format("  {}  {:.3f} px rms, {:.2f} px at most{}\n", worst[k]->image, worst[k]->rms_px, worst[k]->max_px,
-                        !worst[k]->bad     ? ""
-                        : result.is_robust ? "  (bad, left out)"
-                                           : "  (bad)");
+                        judgementText(*worst[k], result.is_robust));
   }
   return text + fmt::format("{}: every picture's residuals\n", residualsFile(arguments.out).string());
 }
@@ -93,9 +99,10 @@ nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& r
     parameters[names[k]] = fit.camera.parameters()(static_cast<Eigen::Index>(k));
     deviations[names[k]] = fit.camera.standard_deviation(static_cast<Eigen::Index>(k));  // NaN becomes null
   }
-  nlohmann::json bad = nlohmann::json::array();
+  nlohmann::json bad = nlohmann::json::array(), left_out = nlohmann::json::array();
   for (const ViewResidual& view : result.views) {
     if (view.bad) bad.push_back(view.image);
+    if (view.left_out && result.is_robust) left_out.push_back(view.image);
   }
   return {{"camera", arguments.out.string()},
           {"residuals", residualsFile(arguments.out).string()},
@@ -110,6 +117,7 @@ nlohmann::json summaryJson(const Arguments& arguments, const IntrinsicsResult& r
           {"held", fit.held},
           {"projection_uncertainty_px", {{"median", fit.uncertainty.median_px}, {"largest", fit.uncertainty.largest_px}}},
           {"bad_pictures", bad},
+          {"left_out", left_out},
           {"warnings", result.warnings}};
 }
 

@@ -21,11 +21,11 @@ struct BoardView {
 struct IntrinsicsOptions {
   DistortionModel model = DistortionModel::kPlumbBob;
   int max_iterations = 100;  ///< of each stage of the fit
-  /// Corners that do not belong lose their weight, and bad pictures are left out; false: plain least squares over every corner of every
-  /// picture, as cv::calibrateCamera, and bad pictures are only named.
+  /// Corners that do not belong lose their weight, and pictures of such corners are left out; false: plain least squares over every corner
+  /// of every picture, as cv::calibrateCamera, and bad pictures are only named.
   bool robust = true;
   /// A picture is named bad where its level (ViewResidual) exceeds this many robust standard deviations of the pictures' levels above their
-  /// median...
+  /// median, and left out where its typical corners exceed those of the others likewise...
   double bad_view_sigmas = 5.0;
   /// ...and this factor of the median. Never more than a quarter of the pictures: the worst.
   double bad_view_factor = 2.0;
@@ -60,12 +60,13 @@ struct IntrinsicsFit {
 struct ViewResidual {
   std::string image;
   int points = 0;
-  bool used = false;    ///< false where there are fewer than 4 points, or all on a line: nothing below is set then
-  bool bad = false;     ///< left out of IntrinsicsResult::robust
-  int outliers = 0;     ///< points whose weight is less than a half
-  double rms_px = 0.0;  ///< sqrt(sum |r|^2 / N), N points
-  double level_px =
-      0.0;  ///< the rms that normal noise with this median of |r| has: what a picture is judged by, whatever single corners do
+  bool used = false;        ///< false where there are fewer than 4 points, or all on a line: nothing below is set then
+  bool bad = false;         ///< its level is far beyond the others'
+  bool left_out = false;    ///< bad, and not by some of its corners only: no part of IntrinsicsResult::robust
+  int outliers = 0;         ///< points whose weight is less than a half
+  double rms_px = 0.0;      ///< sqrt(sum |r|^2 / N), N points
+  double level_px = 0.0;    ///< rms of the 95 % of its corners that fit best: what a picture is judged by
+  double typical_px = 0.0;  ///< rms of normal noise whose median of |r| is the picture's: what half of its corners say
   double max_px = 0.0;
   Eigen::Isometry3d T_camera_target = Eigen::Isometry3d::Identity();
 };
@@ -73,9 +74,9 @@ struct ViewResidual {
 struct IntrinsicsResult {
   /// Plain least squares over all usable pictures, every corner counting the same: covariance sigma_px^2 times the inverse information.
   IntrinsicsFit all;
-  /// Without the bad pictures, each corner weighted by its residual (Hampel's function: 1 up to 3 standard deviations, 0 from 6 on, these
-  /// by the median corner). Its covariance is larger where whole pictures pull at the camera more than noise in their corners would let
-  /// them: boards that are not flat, a lens beyond its model.
+  /// Without the pictures left out, each corner weighted by its residual (Hampel's function: 1 up to 3 standard deviations, 0 from 6 on,
+  /// these by the median corner). Its covariance is larger where whole pictures pull at the camera more than noise in their corners would
+  /// let them: boards that are not flat, a lens beyond its model.
   IntrinsicsFit robust;
   bool is_robust = true;              ///< as the options said
   std::vector<ViewResidual> views;    ///< one for each picture given, in their order
