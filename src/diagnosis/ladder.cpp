@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "diagnosis/refit.hpp"
 #include "poecal/core/statistics.hpp"
@@ -13,6 +14,13 @@
 
 namespace poecal {
 namespace {
+
+/// What a pose is off, from its rows: they know of curves too, which are in no port.
+Vector6d poseError(const PoseMeasurement& pose, const Eigen::VectorXd& r) {
+  Vector6d e = Vector6d::Zero();
+  if (!pose.whitening.isZero(0.0)) e.tail(r.size()) = pose.whitening.bottomRightCorner(r.size(), r.size()).partialPivLu().solve(r);
+  return e;
+}
 
 /// Sums of a rung and of the last one over some poses.
 struct Sums {
@@ -156,7 +164,7 @@ void Ladder::addErrors(const Linearised& at, const Groups& test, const std::vect
       const ObservationRows& part = at.rows.observations[k];
       const Observation& observation = selection_.measured.observations[part.context.number];
       if (observation.pose) {
-        const Vector6d e = poseDifference(observation.pose->T_camera_target, part.ports.T_camera_target);
+        const Vector6d e = poseError(*observation.pose, at.rows.r.segment(part.begin, part.size));
         pose.squares += e.tail<3>().squaredNorm();
         pose.points += 1.0;
         pose.position += e.tail<3>().squaredNorm();
