@@ -362,11 +362,8 @@ Adjustment adjust(const Cell& nominal, const std::vector<Observation>& observati
 }
 
 std::vector<UnitResidual> residuals(const Cell& cell, const Observation& observation) {
-  return residuals(cell, observation, modelTarget(cell, observation));
-}
-
-std::vector<UnitResidual> residuals(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target) {
   std::vector<UnitResidual> units;
+  const Eigen::Isometry3d T_camera_target = modelTarget(cell, observation);
   SampleRows rows;
   evaluateRows(cell, observation, T_camera_target, false, rows);
   for (std::size_t unit = 0; unit < rows.valid.size(); ++unit) {

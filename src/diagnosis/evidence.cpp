@@ -22,15 +22,9 @@ double logMeanExp(const std::vector<double>& values) {
   return largest + std::log(sum / static_cast<double>(values.size()));
 }
 
-/// The accepted ones' factors: wide about what was found, so that nothing is drawn to zero; what hangs on them as narrow as it was.
 ColumnPrior priorOf(const std::vector<Accepted>& accepted) {
-  constexpr double kWide = 10.0;
   ColumnPrior prior = ColumnPrior::none(0);
-  for (const Accepted& one : accepted) {
-    Eigen::VectorXd sigma = one.candidate.spread(one.scale, one.factors.head(one.candidate.own()).cwiseAbs());
-    if (one.candidate.known()) sigma.head(static_cast<Eigen::Index>(one.candidate.linear.size())) *= kWide;
-    prior = prior.joinedWith(ColumnPrior::independent(sigma, one.factors));
-  }
+  for (const Accepted& one : accepted) prior = prior.joinedWith(ColumnPrior::independent(fittedSpread(one), one.factors));
   return prior;
 }
 
@@ -93,6 +87,13 @@ std::size_t largest(const std::vector<double>& values) {
 const std::vector<double>& evidenceScales() {
   static const std::vector<double> scales{0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0};
   return scales;
+}
+
+Eigen::VectorXd fittedSpread(const Accepted& one) {
+  constexpr double kWide = 10.0;
+  Eigen::VectorXd sigma = one.candidate.spread(one.scale, one.factors.head(one.candidate.own()).cwiseAbs());
+  if (one.candidate.known()) sigma.head(static_cast<Eigen::Index>(one.candidate.linear.size())) *= kWide;
+  return sigma;
 }
 
 double smallestSeen(double information) {

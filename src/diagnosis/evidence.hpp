@@ -16,6 +16,10 @@ struct Accepted {
   std::size_t effect = 0;   ///< index into ModelState::effects; curves have none
 };
 
+/// 1 sigma of its factors about zero while it is fitted: wide about what was found, so that nothing is drawn to zero; what hangs on the
+/// effect's own factors as narrow as it was.
+Eigen::VectorXd fittedSpread(const Accepted& one);
+
 /// The capture linearised at a state, with what was taken up so far as columns beside those of the base model.
 struct Linearised {
   ModelState state;

@@ -139,8 +139,8 @@ class Waves {
   }
 
   const WaveDictionary& dictionary_;
-  Eigen::MatrixXd q_;                  ///< poses x joints
-  Eigen::ArrayXXf cosines_, sines_;    ///< of each joint times 1 to 4
+  Eigen::MatrixXd q_;                ///< poses x joints
+  Eigen::ArrayXXf cosines_, sines_;  ///< of each joint times 1 to 4
 };
 
 /// The search at one linearisation.
@@ -152,7 +152,8 @@ class WaveSearch {
     const Eigen::MatrixXd root = known.eigenvectors() * known.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
     for (std::size_t k = 0; k < folds_.joints(); ++k) {
       const PortSums& sums = folds_.port(k);
-      ports_.push_back({sums.weight, sums.residual - sums.cross.transpose() * linear.noise.b, mainDirections(root.transpose() * sums.cross)});
+      ports_.push_back(
+          {sums.weight, sums.residual - sums.cross.transpose() * linear.noise.b, mainDirections(root.transpose() * sums.cross)});
     }
   }
 
@@ -346,11 +347,11 @@ double sizeOf(const AngleWave& wave) {
 }  // namespace
 
 WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& samples) {
-  constexpr double kStill = 0.05;                      // [rad]
-  constexpr double kTypical = 2e-4, kFine = 4.0;       // [rad], and |n| at which waves are half as large
-  constexpr double kWholeShare = 0.75;                 // of all waves at a joint; the rest are orders of its own angle
-  constexpr double kLowest = 4.5, kHighest = 200.0;    // of those: lower ones are among the whole waves nearly
-  constexpr double kSpacing = 1.6;                     // [rad] of phase over the joint's range from one order to the next
+  constexpr double kStill = 0.05;                    // [rad]
+  constexpr double kTypical = 2e-4, kFine = 4.0;     // [rad], and |n| at which waves are half as large
+  constexpr double kWholeShare = 0.75;               // of all waves at a joint; the rest are orders of its own angle
+  constexpr double kLowest = 4.5, kHighest = 200.0;  // of those: lower ones are among the whole waves nearly
+  constexpr double kSpacing = 1.6;                   // [rad] of phase over the joint's range from one order to the next
   std::vector<double> range(arm.joints.size(), 0.0);
   std::vector<std::size_t> turning;
   for (std::size_t k = 0; k < arm.joints.size(); ++k) {
@@ -391,7 +392,8 @@ std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linear
   joints.resize(std::min(joints.size(), kJoints));
   for (const std::size_t k : joints) {
     const auto path = search.path(k, most);
-    if (!path.waves.empty()) candidates.push_back(candidateOf(k, path.waves, std::log(kWaveShare / static_cast<double>(search.joints())), nullptr));
+    if (!path.waves.empty())
+      candidates.push_back(candidateOf(k, path.waves, std::log(kWaveShare / static_cast<double>(search.joints())), nullptr));
   }
   return candidates;
 }

@@ -61,7 +61,9 @@ void Ladder::addErrors(const MeasuredCell& measured, const Linearised& at, const
                        ErrorCollector& errors) const {
   for (const ObservationRows& part : at.rows.observations) {
     const PlainSight plain = plainSight(measured, at.state, part);
-    errors.add(plain.cell, numbers[part.context.number], plain.observation, part.ports.T_camera_target);
+    // The rows know of curves too, which are in no port.
+    const Eigen::VectorXd r = at.rows.r.segment(part.begin, part.size);
+    errors.add(plain.cell, numbers[part.context.number], plain.observation, part.ports.T_camera_target, r);
   }
 }
 

@@ -180,8 +180,11 @@ class Ranker {
     all.push_back({.candidate = *answer.candidate, .factors = Eigen::VectorXd::Zero(count), .scale = answer.exact->scale});
     const std::vector<std::size_t> scatter = scatterOf(linear.components);
     Linearised plain = linearise(measured_, linear.state, all, scatter, {});
+    const ExactEvidence& exact = *answer.exact;
+    all.back().factors = exact.noise.b.tail(count);
+    // What is believed of its factors is the same here and where the fit ends, or belief would be taken for evidence.
+    plain.column_prior = linear.column_prior.joinedWith(ColumnPrior::independent(fittedSpread(all.back()), Eigen::VectorXd::Zero(count)));
     setNoise(measured_, linear.noise, plain);
-    all.back().factors = answer.exact->noise.b.tail(count);
     const Linearised fitted = refit(measured_, linear.state, all, scatter, plain.noise, {}, true);
     if (!fitted.settled) return {};
     return fitted.noise.log_likelihood - plain.noise.log_likelihood;
@@ -245,6 +248,9 @@ class Ranker {
     for (std::size_t k = 0; k < joints; ++k) {
       RankedAnswer answer{.name = "joint_scatter", .location = "joint:" + std::to_string(k + 1), .driver = "none", .scatter = k};
       if (std::find(taken.begin(), taken.end(), answerName(answer.name, answer.location, answer.driver)) != taken.end()) continue;
+      // What a curve at the joint does not follow is its remainder.
+      const std::string curve = answerName("unknown", answer.location, "q");
+      if (std::any_of(taken.begin(), taken.end(), [&curve](const std::string& name) { return name.starts_with(curve); })) continue;
       constexpr double kWorthTrying = 0.0;
       // Joints are not all alike, and good ones come back to some 1e-5 rad: one is beyond that where it moves twice as far as they do
       // together, and farther than any catalogue allows.

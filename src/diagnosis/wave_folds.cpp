@@ -97,7 +97,8 @@ std::size_t WaveFolds::bestCount(std::size_t joint, const std::vector<Eigen::Mat
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t waves = 0; waves <= shapes.size(); ++waves) {
     double left = 0.0;
-    for (const Eigen::MatrixXd& part : parts) left += squaresLeftOut(all, part, precision, pull, base + 2 * static_cast<Eigen::Index>(waves));
+    for (const Eigen::MatrixXd& part : parts)
+      left += squaresLeftOut(all, part, precision, pull, base + 2 * static_cast<Eigen::Index>(waves));
     if (left < least) {
       least = left;
       best = waves;

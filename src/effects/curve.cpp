@@ -143,7 +143,9 @@ EffectKind unknown(PlaceKind place, EffectKind::AddDerivative add_derivative, Ef
   kind.place = place;
   kind.needs = {place == PlaceKind::kCameraLens ? Need::kCamera : Need::kJoints};
   kind.meaning = "structure that no listed effect explains";
-  kind.formula = "sum over j of c_j cos(pi j x), x = (driver - low) / (high - low) held within 0 .. 1; of several joints: sum over n of a_n cos(n.q) + b_n sin(n.q)";
+  kind.formula =
+      "sum over j of c_j cos(pi j x), x = (driver - low) / (high - low) held within 0 .. 1; of several joints: sum over n of a_n cos(n.q) "
+      "+ b_n sin(n.q)";
   kind.add_derivative = add_derivative;
   kind.parameters_of = parameters_of;
   kind.moves_points = place == PlaceKind::kCameraLens;

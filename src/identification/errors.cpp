@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "cell/linearisation.hpp"
 #include "poecal/core/statistics.hpp"
@@ -74,24 +75,31 @@ ErrorVariances estimateVariances(const std::vector<FlangeEvidence>& evidence) {
   return {std::max(variances.rotation, least.rotation), std::max(variances.position, least.position)};
 }
 
-}  // namespace
-
-LengthSummary summarise(const std::vector<double>& lengths) {
-  if (lengths.empty()) return {};
-  return {mean(lengths), median(lengths), rms(lengths), quantile(lengths, 0.95), *std::max_element(lengths.begin(), lengths.end())};
-}
-
-FlangeEvidence flangeEvidence(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target, double noise) {
-  SampleRows rows;
-  evaluateRows(cell, observation, T_camera_target, false, rows);
+/// @param H  d(model)/d(T_camera_target), left perturbation in camera. @param r  residuals; both in stated sigmas.
+FlangeEvidence flangeEvidence(const Cell& cell, const Eigen::Isometry3d& T_camera_target, const Eigen::Matrix<double, Eigen::Dynamic, 6>& H,
+                              const Eigen::VectorXd& r, double noise) {
   const Registration& registration = cell.registration;
   const Eigen::Isometry3d T_base_flange = registration.baseFlange(T_camera_target);
   // A rotation about the flange and a shift of it, as a left perturbation in base, then in camera.
   Matrix6d D = Matrix6d::Identity();
   D.bottomLeftCorner<3, 3>() = hat(T_base_flange.translation());
   const double sign = registration.setup == Setup::kEyeToHand ? 1.0 : -1.0;
-  const Eigen::Matrix<double, Eigen::Dynamic, 6> J = sign / noise * rows.H * (adjoint(registration.cameraBase(T_base_flange)) * D);
-  return {J.transpose() * J, J.transpose() * rows.r / noise};
+  const Eigen::Matrix<double, Eigen::Dynamic, 6> J = sign / noise * H * (adjoint(registration.cameraBase(T_base_flange)) * D);
+  return {J.transpose() * J, J.transpose() * r / noise};
+}
+
+/// What a pose is off, (rad; m), from its residual in stated sigmas.
+Vector6d poseError(const PoseMeasurement& pose, const Eigen::VectorXd& r) {
+  Vector6d e = Vector6d::Zero();
+  if (!pose.whitening.isZero(0.0)) e.tail(r.size()) = pose.whitening.bottomRightCorner(r.size(), r.size()).partialPivLu().solve(r);
+  return e;
+}
+
+}  // namespace
+
+LengthSummary summarise(const std::vector<double>& lengths) {
+  if (lengths.empty()) return {};
+  return {mean(lengths), median(lengths), rms(lengths), quantile(lengths, 0.95), *std::max_element(lengths.begin(), lengths.end())};
 }
 
 std::vector<FlangeError> expectedFlangeErrors(const std::vector<FlangeEvidence>& evidence) {
@@ -107,24 +115,31 @@ std::vector<FlangeError> expectedFlangeErrors(const std::vector<FlangeEvidence>&
 }
 
 void ErrorCollector::add(const Cell& cell, std::size_t index, const Observation& observation) {
-  add(cell, index, observation, modelTarget(cell, observation));
+  const Eigen::Isometry3d T_camera_target = modelTarget(cell, observation);
+  SampleRows rows;
+  evaluateRows(cell, observation, T_camera_target, false, rows);
+  add(cell, index, observation, T_camera_target, rows.r);
 }
 
-void ErrorCollector::add(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target) {
+void ErrorCollector::add(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target,
+                         const Eigen::VectorXd& r) {
+  SampleRows rows;
+  evaluateRows(cell, observation, T_camera_target, false, rows);
   RowErrors row;
   row.index = index;
-  for (const UnitResidual& unit : residuals(cell, observation, T_camera_target)) {
-    row.whitened_squares += unit.squared_norm;
-    if (observation.pose) {
-      row.measured = {unit.residual.tail<3>().norm(), observation.pose->position_only ? 0.0 : unit.residual.head<3>().norm()};
-      row.lengths.push_back(row.measured.position);
-      poses_ = true;
-      rotations_ = rotations_ && !observation.pose->position_only;
-    } else if (unit.residual.allFinite()) {
-      row.lengths.push_back(unit.residual.norm());
+  row.whitened_squares = r.squaredNorm();
+  if (observation.pose) {
+    const Vector6d e = poseError(*observation.pose, r);
+    row.measured = {e.tail<3>().norm(), e.head<3>().norm()};
+    row.lengths.push_back(row.measured.position);
+    poses_ = true;
+    rotations_ = rotations_ && !observation.pose->position_only;
+  } else {
+    for (std::size_t j = 0; j < observation.corners.size(); ++j) {
+      if (rows.valid[j]) row.lengths.push_back(observation.corners[j].sigma_px * r.segment<2>(2 * static_cast<Eigen::Index>(j)).norm());
     }
+    row.evidence = flangeEvidence(cell, T_camera_target, rows.H, r, noise_);
   }
-  if (!observation.pose) row.evidence = flangeEvidence(cell, observation, T_camera_target, noise_);
   rows_.push_back(std::move(row));
 }
 

@@ -94,8 +94,6 @@ struct UnitResidual {
 
 /// Residuals of an observation, one per unit.
 std::vector<UnitResidual> residuals(const Cell& cell, const Observation& observation);
-/// The same where the model has the target elsewhere than the cell.
-std::vector<UnitResidual> residuals(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target);
 
 /// The flange as the cell models it: its arm at q, or the controller's pose where it has no arm.
 Eigen::Isometry3d modelFlange(const Cell& cell, const Observation& observation);

@@ -30,14 +30,12 @@ struct ErrorSummary {
 };
 
 /// What one picture's corners say of the error e = (rotation in base; position) of the modelled flange [rad; m]:
-/// information = J^T J / noise^2, pull = J^T r / noise^2 with r the residuals in stated sigmas and J = d(model)/d(e).
+/// information = J^T J / noise^2, pull = J^T r / noise^2 with r the residuals in stated sigmas, noise their standard deviation and
+/// J = d(model)/d(e).
 struct FlangeEvidence {
   Matrix6d information = Matrix6d::Zero();
   Vector6d pull = Vector6d::Zero();
 };
-/// @param T_camera_target  where the model has the target. @param noise  standard deviation of the residuals in stated sigmas.
-FlangeEvidence flangeEvidence(const Cell& cell, const Observation& observation, const Eigen::Isometry3d& T_camera_target, double noise);
-
 /// Distance and angle of a flange from where it is.
 struct FlangeError {
   double position = 0.0, rotation = 0.0;  ///< [m], [rad]
@@ -63,8 +61,10 @@ class ErrorCollector {
   /// @param noise  standard deviation of corners in their stated sigmas.
   explicit ErrorCollector(double noise = 1.0) : noise_(noise) {}
   void add(const Cell& cell, std::size_t index, const Observation& observation);
-  /// The same where the model has the target elsewhere than the cell.
-  void add(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target);
+  /// The same where the model has the target elsewhere than the cell, and knows more of what was measured.
+  /// @param r  what was measured less what the model expects, in stated sigmas: 2 numbers a corner, or 6 or 3 a pose.
+  void add(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target,
+           const Eigen::VectorXd& r);
   /// Of the observations whose index counts. @param counts  empty: all do.
   ErrorSummary summary(const std::function<bool(std::size_t)>& counts = {}) const;
   /// In the order added.
