@@ -1,5 +1,8 @@
 #include "diagnosis/gap.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gmock/gmock.h>
 
 #include "diagnosis/folds.hpp"
