@@ -103,15 +103,17 @@ void UrdfFile::requireTree() const {
   std::map<std::string, const urdf::Joint*> joint_above;
   for (const auto& [name, joint] : model_->joints_) {
     const auto [other, fresh] = joint_above.emplace(joint->child_link_name, joint.get());
-    if (!fresh)
-      failAtJoint(*joint, fmt::format("carries link '{}' as joint '{}' does, expected a tree", other->first, other->second->name));
+    if (!fresh) {
+      failAtJoint(*joint, fmt::format("closes a ring of links (link '{}' is on joint '{}' too), expected a tree", other->first,
+                                      other->second->name));
+    }
   }
   std::set<std::string> rooted;  // links from which the way up ends
   for (const auto& [name, joint] : model_->joints_) {
     std::set<std::string> path;
     std::string link = joint->child_link_name;
     while (!rooted.contains(link)) {
-      if (!path.insert(link).second) failAtJoint(*joint_above.at(link), "is part of a ring of links, expected a tree");
+      if (!path.insert(link).second) failAtJoint(*joint_above.at(link), "has links that form a ring, expected a tree");
       const auto above = joint_above.find(link);
       if (above == joint_above.end()) break;
       link = above->second->parent_link_name;
