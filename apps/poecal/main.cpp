@@ -26,19 +26,19 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 }
 
 constexpr Command kCommands[] = {
-    {"run", "the main job: intrinsics where asked for, detect, measure, identify", setUpRun},
-    {"simulate", "a rendered capture folder whose truth is known", setUpSimulate},
-    {"intrinsics", "camera intrinsics from pictures of a board", setUpIntrinsics},
-    {"detect", "the target in every picture", setUpDetect},
-    {"measure", "hand-eye and base registration, then measured flange poses", setUpMeasure},
-    {"identify", "the arm's twists and home pose", setUpIdentify},
-    {"predict", "the corners or flange poses that a model expects", setUpPredict},
-    {"effects", "the catalogue of effects: what each is, how it shows, what to do about it", setUpEffects},
-    {"export", "the URDF with the calibrated geometry", setUpExport},
-    {"paper", "the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},
+    {"run", "the main job: lens if needed, corners, registration, identification, diagnosis", setUpRun},
+    {"simulate", "draw a capture whose truth is known", setUpSimulate},
+    {"intrinsics", "find the lens from pictures of a board", setUpIntrinsics},
+    {"detect", "find the target's corners in every picture", setUpDetect},
+    {"measure", "find where camera and target are, then measure the poses of the flange", setUpMeasure},
+    {"identify", "find the arm's axes", setUpIdentify},
+    {"predict", "write the corners or flange poses that a model expects", setUpPredict},
+    {"effects", "list the effects: what each is, how it shows, what to do about it", setUpEffects},
+    {"export", "write the calibrated geometry into a URDF", setUpExport},
+    {"paper", "repeat the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
-    {"diagnose", "where the gap lies, which effect causes it, how far it shrinks", setUpDiagnose},
-    {"fleet", "one table of many captures' results", setUpFleet},
+    {"diagnose", "find where the gap lies, which effect causes it, how much it shrinks", setUpDiagnose},
+    {"fleet", "put the results of many captures into one table", setUpFleet},
     {"report", "one self-contained page (not built yet)", setUpNotBuilt},
 };
 

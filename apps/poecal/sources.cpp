@@ -8,13 +8,13 @@ namespace poecal::app {
 
 CLI::Option* addCaptureOption(CLI::App& app, CaptureSource& source) {
   CLI::Option* capture = app.add_option("CAPTURE", source.folder, "Capture folder");
-  app.add_option("--intrinsics", source.intrinsics, "Camera file (camera.yaml) instead of what the capture names")->needs(capture);
+  app.add_option("--intrinsics", source.intrinsics, "A camera.yaml instead of the one that the capture names")->needs(capture);
   return capture;
 }
 
 CLI::Option* addMeasuredCaptureOption(CLI::App& app, CaptureSource& source) {
   CLI::Option* capture = addCaptureOption(app, source);
-  app.add_option("--detections", source.detections, "Corners found earlier (detections.csv); no picture is read")->needs(capture);
+  app.add_option("--detections", source.detections, "A detections.csv with corners found earlier; no picture is read")->needs(capture);
   return capture;
 }
 
@@ -25,9 +25,9 @@ void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options) {
   CLI::Option* poses =
       app.add_option("--poses", source.poses.poses, "poses.csv: joints and T_instrument_tool")->needs(robot)->excludes(capture);
   robot->needs(poses);
-  app.add_option("--base-link", source.poses.base_link, "Base link, where the robot is a URDF")->needs(robot);
-  app.add_option("--tip-link", source.poses.tip_link, "Tip link, where the robot is a URDF")->needs(robot);
-  app.add_flag("--registered", options.registered, "The poses are T_base_flange already")->needs(poses);
+  app.add_option("--base-link", source.poses.base_link, "Name of the base link, if the robot is a URDF")->needs(robot);
+  app.add_option("--tip-link", source.poses.tip_link, "Name of the flange link, if the robot is a URDF")->needs(robot);
+  app.add_flag("--registered", options.registered, "The poses are T_base_flange: nothing needs to be registered")->needs(poses);
 }
 
 CalibrationRun runSource(const std::string& command, const ArmSource& source, const std::filesystem::path& out, CalibrateOptions options,
@@ -40,10 +40,11 @@ CalibrationRun runSource(const std::string& command, const ArmSource& source, co
 }
 
 void addToleranceOptions(CLI::App& app, IdentifyOptions& options) {
-  app.add_option("--tolerance-position", options.tolerance_position, "Prior of an axis' place about the nominal, 1 sigma [m]; 0: none")
+  app.add_option("--tolerance-position", options.tolerance_position,
+                 "How far an axis may be from its nominal place, 1 sigma [m]; 0: any distance")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--tolerance-rotation", options.tolerance_rotation, "Prior of an axis' tilt, 1 sigma [rad]; 0: none")
+  app.add_option("--tolerance-rotation", options.tolerance_rotation, "How far an axis may be tilted, 1 sigma [rad]; 0: any angle")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
 }
@@ -51,23 +52,24 @@ void addToleranceOptions(CLI::App& app, IdentifyOptions& options) {
 void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
   app.add_option_function<std::string>(
          "--method", [&options](const std::string& name) { options.method = methodFromName(name); },
-         "gao (the paper's algorithm), weighted, or bundle (default)")
+         "gao (the paper's algorithm), weighted (poses by their covariance) or bundle (all corners at once, the default)")
       ->check(CLI::IsMember({"gao", "weighted", "bundle"}));
   addToleranceOptions(app, options);
   app.add_option("--hold-out", options.hold_out_every,
-                 "Every how-manieth pose judges a fit instead of entering it, in as many turns; 0: none")
+                 "Number N of cross-validation folds: every N-th pose is held out, in N turns; 0: none")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  app.add_flag("--leave-one-out", options.leave_one_out, "Each pose judges alone (done by itself up to 25 poses)");
-  app.add_flag("!--no-robust", options.robust, "Plain least squares: no row loses weight");
-  app.add_flag("--allow-still-joints", options.allow_still_joints, "A joint that never moved keeps its nominal axis");
+  app.add_flag("--leave-one-out", options.leave_one_out, "Hold out each pose alone (automatic up to 25 poses)");
+  app.add_flag("!--no-robust", options.robust, "Plain least squares: outliers keep their weight");
+  app.add_flag("--allow-still-joints", options.allow_still_joints,
+               "Keep the nominal axis of a joint that never moved; otherwise that is an error");
   app.add_option_function<std::string>(
          "--camera",
          [&options](const std::string& name) {
            options.camera = name == "stated" ? CameraChoice::kStated : name == "free" ? CameraChoice::kFree : CameraChoice::kAuto;
          },
-         "stated (held), free (re-fitted), or auto (default): as a nuisance within its stated deviations, or re-fitted where held-out "
-         "poses ask for it")
+         "stated (keep the lens), free (fit it with the arm) or auto (default: fit it within its stated deviations or, where it states "
+         "none, if held-out poses are clearly better for it)")
       ->check(CLI::IsMember({"auto", "stated", "free"}));
 }
 

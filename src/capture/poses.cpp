@@ -26,10 +26,10 @@ PoseTable readPoses(const std::filesystem::path& file, const Arm& arm) {
   const CsvTable csv = CsvTable::read(file);
   // With those of flange_poses.csv: what a registration says of its poses drives nothing.
   const SampleColumns columns(csv, arm.jointCount(),
-                              {"x",       "y",           "z",        "qx",    "qy",    "qz",    "qw",    "sigma_position", "sigma_rotation",
-                               "rms_px",  "free_rms_px", "left_out", "image", "cov11", "cov12", "cov13", "cov14",          "cov15",
-                               "cov16",   "cov22",       "cov23",    "cov24", "cov25", "cov26", "cov33", "cov34",          "cov35",
-                               "cov36",   "cov44",       "cov45",    "cov46", "cov55", "cov56", "cov66"});
+                              {"x",      "y",           "z",        "qx",    "qy",    "qz",    "qw",    "sigma_position", "sigma_rotation",
+                               "rms_px", "free_rms_px", "left_out", "image", "cov11", "cov12", "cov13", "cov14",          "cov15",
+                               "cov16",  "cov22",       "cov23",    "cov24", "cov25", "cov26", "cov33", "cov34",          "cov35",
+                               "cov36",  "cov44",       "cov45",    "cov46", "cov55", "cov56", "cov66"});
   if (!columns.hasJoints()) throw FileError(file, 1, fmt::format("no joint readings, expected columns q1 to q{}", arm.jointCount()));
   PoseTable table;
   table.file = file;

@@ -73,7 +73,7 @@ std::string howFar(const Shrinkage& shrinkage) {
   if (shrinkage.interval.second > kWorthwhile) {
     return fmt::format("  how far: these poses do not tell {}: too few of them show it\n", range);
   }
-  return "  how far: no smaller on poses that the fit did not see; the twists had swallowed it\n";
+  return "  how far: no smaller on held-out poses: the fitted axes had made up for it\n";
 }
 
 /// A driver that nobody recorded, and what stands in for it.

@@ -56,7 +56,7 @@ std::string whyUnseen(const std::string& effect, const std::string& location, co
       return "its axis is vertical: gravity has no moment about it";
     }
   }
-  return "what it moves is what the arm's axes and the two transforms around it may move too";
+  return "the arm's axes and the two transforms can move in the same way: these data cannot tell them apart";
 }
 
 void fillParameters(const Accepted& accepted, const Eigen::VectorXd& deviation, Finding& finding) {

@@ -142,6 +142,8 @@ std::string whatIsMissing(Need need, const Effect& effect, const Cell& cell, con
       return haveAll(samples, [](const Sample& s) { return s.temperature.has_value(); }) ? "" : "no temperature column";
     case Need::kRevolute:
       return cell.arm && cell.arm->joints[effect.index()].type == JointType::kRevolute ? "" : "the joint does not turn";
+    case Need::kMasses:
+      return cell.arm && !cell.arm->links.empty() ? "" : "no masses of the links";
     case Need::kTags:
       return target.hasTags() ? "" : "no tags";
     case Need::kSeveralTags: {
@@ -169,7 +171,7 @@ std::vector<Need> needsOf(const Effect& effect) {
 void checkCurveDriver(const Effect& effect, const SampleContext& context) {
   const bool follows = effect.kind().parameters_of != nullptr && effect.driver() != "pixel";
   if (!follows || hasDrivers(effect.driver(), context)) return;
-  throw InsufficientData(fmt::format("{} at {} cannot be reckoned: sample {} has no {}", effect.name(), effect.location(),
+  throw InsufficientData(fmt::format("{} at {} cannot be computed: sample {} has no {}", effect.name(), effect.location(),
                                      context.number + 1, effect.driver()));
 }
 
@@ -227,10 +229,11 @@ std::string EffectKind::placePattern() const { return isNumbered(place) ? std::s
 const std::vector<EffectKind>& effectKinds() {
   using namespace kinds;
   static const std::vector<EffectKind> all = {
-      jointGain(),        jointEccentricity(), jointHarmonic(), jointCompliance(), jointBacklash(),  jointCoupling(), jointSlip(),
-      jointDrift(),       axisWobble(),        linkBending(),   linkExpansion(),   baseCompliance(), cameraSlip(),    cameraDrift(),
-      lensDistortion(),   focalLength(),       focalDrift(),    principalPoint(),  rollingShutter(), timeOffset(),    targetScale(),
-      targetAnisotropy(), targetBend(),        targetLayout(),  targetSlip(),      cornerBias(),     jointScatter(),  badSamples()};
+      jointGain(),      jointEccentricity(), jointHarmonic(), jointCompliance(), jointBacklash(),    jointHysteresis(),
+      jointCoupling(),  jointSlip(),         jointDrift(),    axisWobble(),      linkBending(),      linkExpansion(),
+      baseCompliance(), cameraSlip(),        cameraDrift(),   lensDistortion(),  focalLength(),      focalDrift(),
+      principalPoint(), rollingShutter(),    timeOffset(),    targetScale(),     targetAnisotropy(), targetBend(),
+      targetLayout(),   targetSlip(),        cornerBias(),    jointScatter(),    badSamples()};
   return all;
 }
 
@@ -279,7 +282,7 @@ std::vector<Disturbance> disturbancesOf(const std::vector<AppliedEffect>& effect
   for (const AppliedEffect& applied : effects) {
     const std::string missing = whyNotTestable(applied.effect, cell, target, samples);
     if (!missing.empty()) {
-      throw InsufficientData(fmt::format("{} at {} cannot be reckoned: {}", applied.effect.name(), applied.effect.location(), missing));
+      throw InsufficientData(fmt::format("{} at {} cannot be computed: {}", applied.effect.name(), applied.effect.location(), missing));
     }
   }
   const auto capture = makeCaptureContext(cell, target, gravity, samples, other_columns);

@@ -63,7 +63,7 @@ void Effect::addDerivative(Eigen::Index i, const Eigen::VectorXd& parameters, co
 void Effect::disturb(const Eigen::VectorXd& parameters, const SampleContext& context, Disturbance& disturbance) const {
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
-    // Only where a parameter is not zero: 0 times a torque that nobody knows would still be NaN.
+    // Only where a parameter is not zero: 0 times an unknown torque would still be NaN.
     if (parameters_[i].role != ParameterRole::kLinear || parameters(index) == 0.0) continue;
     addDerivative(index, parameters, context, parameters(index), disturbance);
   }

@@ -10,6 +10,7 @@ EffectKind jointEccentricity();
 EffectKind jointHarmonic();
 EffectKind jointCompliance();
 EffectKind jointBacklash();
+EffectKind jointHysteresis();
 EffectKind jointCoupling();
 EffectKind jointSlip();
 EffectKind jointDrift();

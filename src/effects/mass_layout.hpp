@@ -1,4 +1,4 @@
-// Where gravity acts by masses that nobody knows: which of its functions a number stands for.
+// Gravity on an arm of unknown masses: which function of the masses a parameter stands for.
 #pragma once
 
 #include <cstddef>

@@ -29,6 +29,8 @@ TEST(Architecture, OnlyTestsKnowWhereTheRealCapturesAre) {
   EXPECT_THAT(occurrencesOutsideTests(kProject, folderOfRealCaptures()), IsEmpty());
 }
 
+TEST(Architecture, NoTwoTypesHaveTheSameName) { EXPECT_THAT(typesOfTheSameName(kProject), IsEmpty()); }
+
 TEST(Architecture, TopLevelHoldsOnlyWhatItIsMeantTo) { EXPECT_THAT(strayTopLevelEntries(kProject), IsEmpty()); }
 
 /// A tree of two modules, `low` before `high`, which keeps every rule.

@@ -50,6 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, EachCause,
     ::testing::Values(Cause{"Gain", {"joint_gain", "joint:3", {{"gain", 2e-3}}}, "gain"},
                       Cause{"Backlash", {"joint_backlash", "joint:1", {{"half_gap", 2e-4}}}, "half_gap"},
+                      Cause{"Hysteresis", {"joint_hysteresis", "joint:2", {{"lag", 8e-6}}}, "lag"},
                       Cause{"Harmonic", {"joint_harmonic", "joint:1", {{"order", 100.0}, {"sine", 3e-4}, {"cosine", 0.0}}}, "sine"},
                       Cause{"Coupling", {"joint_coupling", "joint:6", {{"source", 5.0}, {"ratio", 4e-3}}}, "ratio"},
                       Cause{"Focal", {"focal_length", "camera.lens", {{"scale", 0.01}}}, "scale"},

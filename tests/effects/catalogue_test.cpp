@@ -26,7 +26,7 @@ TEST(Catalogue, IsTheContractsTable) {
   EXPECT_THAT(
       rows,
       ElementsAre("joint_gain joint:K qK", "joint_eccentricity joint:K qK", "joint_harmonic joint:K qK", "joint_compliance joint:K tauK",
-                  "joint_backlash joint:K dirK", "joint_coupling joint:K qJ", "joint_slip joint:K stamp",
+                  "joint_backlash joint:K dirK", "joint_hysteresis joint:K dirK", "joint_coupling joint:K qJ", "joint_slip joint:K stamp",
                   "joint_drift joint:K stamp temperature", "axis_wobble joint:K qK", "link_bending link:K gravity",
                   "link_expansion link:K temperature stamp", "base_compliance base gravity", "camera_slip camera.mount stamp",
                   "camera_drift camera.mount stamp temperature", "lens_distortion camera.lens pixel", "focal_length camera.lens pixel",
@@ -138,6 +138,12 @@ TEST(Candidates, WhatTheCaptureLacksIsSaid) {
   EXPECT_THAT(lines,
               testing::IsSupersetOf({"time_offset at timing: no dq1.. columns", "rolling_shutter at camera.shutter: no dq1.. columns",
                                      "joint_backlash at joint:2: no dir1.. columns", "camera_slip at camera.mount: no stamp column"}));
+  rich.cell.arm->links.clear();
+  EXPECT_THAT(whyNot(candidateEffects(rich.cell, rich.target, rich.samples)),
+              testing::Contains("joint_hysteresis at joint:1: no dir1.. columns"));
+  for (Sample& sample : rich.samples) sample.dir = Eigen::VectorXd::Ones(rich.cell.arm->jointCount());
+  EXPECT_THAT(whyNot(candidateEffects(rich.cell, rich.target, rich.samples)),
+              testing::Contains("joint_hysteresis at joint:1: no masses of the links"));
   EXPECT_FALSE(lines.contains("camera_drift at camera.mount: no stamp column")) << "the temperature still drives it";
 }
 
@@ -166,7 +172,7 @@ TEST(Candidates, OneForEachPlaceDriverSourceAndTag) {
   EXPECT_EQ(count["joint_coupling"], 6) << "two sources each";
   EXPECT_EQ(count["target_layout"], 2) << "two tags";
   EXPECT_EQ(count["time_offset"], 1);
-  EXPECT_EQ(count.size(), 28u);
+  EXPECT_EQ(count.size(), 29u);
 }
 
 }  // namespace

@@ -85,7 +85,7 @@ TEST_F(CurveAt, AFurtherColumnIsFoundByItsName) {
     disturbances({"fan", "heater"});
     FAIL() << "a curve over a column that is not there";
   } catch (const InsufficientData& error) {
-    EXPECT_THAT(error.what(), HasSubstr("unknown at joint:1 cannot be reckoned: sample 1 has no load"));
+    EXPECT_THAT(error.what(), HasSubstr("unknown at joint:1 cannot be computed: sample 1 has no load"));
   }
 }
 

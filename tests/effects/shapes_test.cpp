@@ -57,6 +57,19 @@ TEST_F(Shapes, ComplianceIsGravitysWork) {
   }
 }
 
+TEST_F(Shapes, HysteresisIsFrictionOverStiffness) {
+  // Second formula: a spring of 2e4 N m/rad that friction of 5 % of the load keeps from unwinding; it stops short on either side.
+  constexpr double kStiffness = 2e4, kFriction = 0.05;
+  const AppliedEffect effect = effectOf(rich_, "joint_hysteresis", "joint:2", {{"lag", kFriction / kStiffness}});
+  const double held = kFriction * std::abs(rich_.context(1).torque(1)) / kStiffness;
+  for (const double side : {-1.0, 0.0, 1.0}) {
+    rich_.samples[1].dir(1) = side;
+    EXPECT_NEAR(disturbance(effect, 1).joints(1), -side * held, kRounding);
+  }
+  rich_.samples[1].payload = 30.0;
+  EXPECT_NE(disturbance(effect, 1).joints(1), -held) << "a payload is a load";
+}
+
 TEST_F(Shapes, SlipsBeginAtTheirTime) {
   const AppliedEffect joint = effectOf(rich_, "joint_slip", "joint:1", {{"time", 2000.0}, {"offset", 1e-3}});
   const AppliedEffect camera = effectOf(rich_, "camera_slip", "camera.mount", {{"time", 2000.0}, {"ry", 1e-3}});

@@ -103,7 +103,7 @@ TEST(SceneWithEffects, SamplesThatLackADriverAreRefused) {
                                              "effects: [{effect: joint_backlash, location: joint:1, parameters: {half_gap: 1.0e-3}}]\n");
   EXPECT_THROW(
       try { simulate(scene, folder.path() / "out", {}); } catch (const InsufficientData& error) {
-        EXPECT_THAT(error.what(), HasSubstr("joint_backlash at joint:1 cannot be reckoned: no dir1.. columns"));
+        EXPECT_THAT(error.what(), HasSubstr("joint_backlash at joint:1 cannot be computed: no dir1.. columns"));
         throw;
       },
       InsufficientData);

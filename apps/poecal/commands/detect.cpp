@@ -82,8 +82,8 @@ Example:
   60 of 60 pictures show the target, 240 corners in detections.csv
   blur 0.70 px, noise 2.0 grey levels
 
-What each picture looks like (blur, noise, growth of dark into light) is in detections-pictures.csv; a scene's `like:` takes it.
-What was found is kept in .stages/ beside the output: another run detects only in pictures that are new. On several machines:
+The image quality of each picture (blur, noise, growth of dark into light) is in detections-pictures.csv; a scene can draw pictures like these.
+What was found is kept in .stages/ beside the output: the next run searches only new pictures. On several machines:
   $ poecal detect capture --part 1/2 --out 1.corners     # here
   $ poecal detect capture --part 2/2 --out 2.corners     # there
   $ poecal detect capture --known 1.corners 2.corners --out detections.csv
@@ -135,12 +135,12 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
   const auto arguments = std::make_shared<Arguments>();
   addCaptureOption(app, arguments->capture)->required();
   app.add_option("--out", arguments->out, "File for the corners (detections.csv)")->required();
-  app.add_option("--part", arguments->part, "K/N: search the K-th of N parts of the pictures alone; --out is then a file for --known");
-  app.add_option("--known", arguments->known, "What --part found: pictures in these files are not searched again");
+  app.add_option("--part", arguments->part, "K/N: search only the K-th of N parts of the pictures; --out is then a file for --known");
+  app.add_option("--known", arguments->known, "Files that --part wrote: their pictures are not searched again");
   app.add_option("--quad-decimate", arguments->detect.quad_decimate,
-                 "Look for tags in pictures this much smaller first; edges are refined in the full ones")
+                 "First look for tags in pictures reduced by this factor; edges are refined at full size")
       ->capture_default_str();
-  app.add_flag("!--no-refine", arguments->detect.refine, "Leave AprilTag's corners as they are, without fitting the tags to the picture");
+  app.add_flag("!--no-refine", arguments->detect.refine, "Keep AprilTag's own corners: do not fit the tags to the picture");
   app.footer(kExample);
   return [arguments, &common] { return run(*arguments, common); };
 }

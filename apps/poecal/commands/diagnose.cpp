@@ -34,7 +34,7 @@ std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
   addArmSource(app, options->source, options->calibrate.identify);
   app.add_option("--out", options->out, "Folder for diagnosis.json and model.yaml")->required();
   app.add_option("--identified", options->source.capture.identified, "Folder with the results of identify, which must be of this capture");
-  app.add_option("--explain", options->explain, "Say of an effect, at each of its places, why it was or was not chosen");
+  app.add_option("--explain", options->explain, "An effect: say for each of its places why it was or was not chosen");
   addToleranceOptions(app, options->calibrate.identify);
   app.footer(kExample);
   return [options, &common] {

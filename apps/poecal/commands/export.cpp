@@ -93,11 +93,11 @@ shift: from the old origin to the new axis; tilt: between old and new axis.
 
 std::function<int()> setUpExport(CLI::App& app, const Common& common) {
   const auto options = std::make_shared<ExportOptions>();
-  app.add_option("model", options->model, "model.yaml of an identification")->required()->option_text("MODEL.yaml");
-  app.add_option("--urdf", options->urdf, "The URDF to correct; it stays as it is")->required()->option_text("FILE");
+  app.add_option("model", options->model, "model.yaml as identify, diagnose or run write it")->required()->option_text("MODEL.yaml");
+  app.add_option("--urdf", options->urdf, "The URDF to correct; the file itself is not changed")->required()->option_text("FILE");
   app.add_option("--out", options->out, "The corrected URDF")->required()->option_text("FILE");
-  app.add_option("--base-link", options->base_link, "Where the arm begins (default: as the model says, or the root)")->option_text("LINK");
-  app.add_option("--tip-link", options->tip_link, "Where it ends, the flange (default: as the model says, or the only leaf)")
+  app.add_option("--base-link", options->base_link, "First link of the arm (default: as the model says, or the root)")->option_text("LINK");
+  app.add_option("--tip-link", options->tip_link, "Last link, the flange (default: as the model says, or the only leaf)")
       ->option_text("LINK");
   app.footer(kExample);
   return [options, &common] { return runExport(*options, common); };

@@ -73,7 +73,7 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
     std::filesystem::path out;
   };
   const auto options = std::make_shared<Options>();
-  app.add_option("OUT", options->folders, "Result folders, one a capture: what `run`, or its stages, wrote")->required();
+  app.add_option("OUT", options->folders, "Folders that `run`, or its steps, wrote: one for each capture")->required();
   app.add_option("--out", options->out, "The table to write (fleet.csv)")->required();
   app.footer(kExample);
   return [options, &common] {

@@ -138,7 +138,7 @@ std::function<int()> setUpIntrinsics(CLI::App& app, const Common& common) {
   const auto arguments = std::make_shared<Arguments>();
   std::vector<std::string> models;
   for (const DistortionModel model : kDistortionModels) models.emplace_back(distortionModelName(model));
-  app.add_option("FOLDER", arguments->folder, "Pictures of a board, and its target.yaml")->required();
+  app.add_option("FOLDER", arguments->folder, "Folder with pictures of a board and its target.yaml")->required();
   app.add_option("--out", arguments->out, "The camera file to write; STEM-residuals.csv goes beside it")->required();
   app.add_option("--model", arguments->model, "Distortion model")->check(CLI::IsMember(models))->capture_default_str();
   app.add_flag("--plain", arguments->plain,

@@ -68,7 +68,8 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
   };
   const auto options = std::make_shared<Options>();
   CLI::Option* folder = app.add_option("CAPTURE", options->capture, "Capture folder, for its samples");
-  app.add_option("--joints", options->joints, "A table with q1, q2, ... (and image, for corners) instead of a capture")->excludes(folder);
+  app.add_option("--joints", options->joints, "A table with columns q1, q2, ... instead of a capture: flange poses are predicted for it")
+      ->excludes(folder);
   app.add_option("--model", options->model, "model.yaml")->required();
   app.add_option("--out", options->out, "The table to write")->required();
   app.add_flag("--poses", options->poses, "Flange poses T_base_flange instead of corners");

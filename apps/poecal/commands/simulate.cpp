@@ -56,7 +56,7 @@ int run(const Arguments& arguments, const Common& common) {
 
 std::function<int()> setUpSimulate(CLI::App& app, const Common& common) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("SCENE", arguments->scene, "scene.yaml: arm, camera, target and what is wrong with them")->required();
+  app.add_option("SCENE", arguments->scene, "scene.yaml: arm, camera, target and their flaws")->required();
   app.add_option("--out", arguments->out, "The capture folder to write, new or empty; the truth goes to OUT-truth")->required();
   app.footer(kExample);
   return [arguments, &common] { return run(*arguments, common); };

@@ -9,8 +9,8 @@
 
 namespace poecal {
 
-/// What a sample or the cell must have for an effect to be testable.
-enum class Need { kJoints, kDir, kDq, kStamp, kTemperature, kRevolute, kTags, kSeveralTags, kTangential, kCamera };
+/// What the samples or the cell must have for an effect to be testable.
+enum class Need { kJoints, kDir, kDq, kStamp, kTemperature, kRevolute, kTags, kSeveralTags, kTangential, kCamera, kMasses };
 
 /// How far into the cell a kind of effect reaches.
 enum class Reach {
@@ -23,9 +23,9 @@ enum class Reach {
 struct EffectKind {
   std::string name;
   PlaceKind place = PlaceKind::kJoint;
-  /// It disturbs nothing beyond; kPicture is right for any kind, a smaller reach is weighed with less work.
+  /// The effect disturbs nothing beyond this. kPicture is right for any kind; a smaller reach saves work.
   Reach reach = Reach::kPicture;
-  /// Words of the contract, with K for the place's number and J for another joint's; the first is the default.
+  /// Names as in model.yaml, with K for the place's number and J for another joint's; the first is the default.
   std::vector<std::string> drivers;         ///< empty: whatever the spec says
   std::vector<EffectParameter> parameters;  ///< units of a turning joint; "/t": "/h" where stamps drive it, "/K" where the temperature does
   std::vector<Need> needs;
@@ -43,11 +43,11 @@ struct EffectKind {
   AddDerivative add_derivative = nullptr;  ///< nullptr: adds nothing
   AddDraw add_draw = nullptr;              ///< nullptr: not random
 
-  /// Where the parameters hang on which are given (how many waves a curve has): those, in place of `parameters`.
+  /// Where the parameters depend on which are given (a curve has as many as it has waves): in place of `parameters`.
   using ParametersOf = std::vector<EffectParameter> (*)(const std::string& driver, const std::map<std::string, double>& given);
   ParametersOf parameters_of = nullptr;
 
-  /// It is a compliance times gravity's load; see Effect::byMasses.
+  /// It is a compliance times the load of gravity; see Effect::byMasses.
   bool yields_to_gravity = false;
   /// It moves single points or pixels, so that pictures cannot be drawn by moving the target or changing the lens.
   bool moves_points = false;
@@ -55,7 +55,7 @@ struct EffectKind {
   std::string placePattern() const;
 };
 
-/// All kinds, in the contract's order.
+/// All kinds, in the order of their table in calib_data/FORMATS.md.
 const std::vector<EffectKind>& effectKinds();
 /// nullptr where there is none of that name.
 const EffectKind* findEffectKind(const std::string& name);
@@ -68,7 +68,7 @@ const EffectKind& effectKind(const std::string& name);
 /// left out; a joint that the cell does not have.
 AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell);
 
-/// Why an effect cannot be tested with these samples, or empty where it can: "no dq1.. columns".
+/// Why an effect cannot be tested with these samples ("no dq1.. columns"); empty where it can.
 std::string whyNotTestable(const Effect& effect, const Cell& cell, const Target& target, const std::vector<Sample>& samples);
 
 /// What effects do to each sample of a capture; points are those of the target.

@@ -52,7 +52,7 @@ enum class PlaceKind {
   kSamples
 };
 
-/// The contract's word: "joint", "camera.mount", ...; kJoint and kLink are followed by ":K".
+/// Name as in model.yaml: "joint", "camera.mount", ...; kJoint and kLink are followed by ":K".
 const char* placeName(PlaceKind kind);
 
 struct EffectKind;
@@ -65,11 +65,11 @@ class Effect {
   std::string location() const;
   /// Index from 0 of the joint or link; 0 where the place has none.
   std::size_t index() const { return index_; }
-  /// The contract's word for what drives it: "q3", "tau3", "stamp", ...
+  /// What drives it, as named in model.yaml: "q3", "tau3", "stamp", ...
   const std::string& driver() const { return driver_; }
-  /// It hangs on loads whose masses nobody knows: its parameters are then compliance times (m, m com) of each body that the place carries,
+  /// It depends on loads whose masses are unknown. Its parameters are then compliance times (m, m com) of each body that the place carries,
   /// named m3, mx3, my3, mz3, and `payload`, the compliance as a known payload shows it; of a link once about each axis across its
-  /// joint's, m3_a and m3_b. What they make of the configuration is all that gravity can do to an arm of any masses.
+  /// joint's, m3_a and m3_b. Together they cover all that gravity can do to an arm of any masses.
   bool byMasses() const { return by_masses_; }
   const EffectKind& kind() const { return *kind_; }
   const std::vector<EffectParameter>& parameters() const { return parameters_; }

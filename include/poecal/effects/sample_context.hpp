@@ -1,4 +1,4 @@
-// What effects may know of a sample: its readings, what gravity does to the arm there, and where its points are in the picture.
+// What effects may use of a sample: its readings, the load of gravity on the arm, and where its points are in the picture.
 #pragma once
 
 #include <cstddef>
