@@ -174,7 +174,8 @@ GapStage Gap::stageOf(const Rung& rung) const {
 double Gap::noiseRms() const { return std::sqrt(subtracted_); }
 
 std::pair<double, double> Gap::noiseBounds() const {
-  return {std::sqrt(std::min(noise_.least, lowest_)), std::sqrt(std::min(noise_.most, lowest_))};
+  // What it came to on these poses is one of the values that it may have.
+  return {std::sqrt(std::min(noise_.least, subtracted_)), std::sqrt(std::max(std::min(noise_.most, lowest_), subtracted_))};
 }
 
 std::pair<double, double> Gap::remaining() const {

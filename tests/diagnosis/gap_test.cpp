@@ -26,7 +26,8 @@ void expectNoiseBelowEveryStage(const Diagnosis& diagnosis) {
     EXPECT_LE(stage.excess, stage.rms) << stage.stage;
     EXPECT_NEAR(std::hypot(stage.excess, diagnosis.noise_rms), stage.rms, 1e-9) << stage.stage;
   }
-  EXPECT_LE(diagnosis.noise_bounds.first, diagnosis.noise_bounds.second);
+  EXPECT_LE(diagnosis.noise_bounds.first, diagnosis.noise_rms);
+  EXPECT_GE(diagnosis.noise_bounds.second, diagnosis.noise_rms);
   EXPECT_LE(diagnosis.after_interval.first, diagnosis.after_excess);
   EXPECT_GE(diagnosis.after_interval.second, diagnosis.after_excess);
 }
