@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
 #include "diagnosis/small_cell.hpp"
 
@@ -27,8 +28,7 @@ struct Fitted {
 
 Fitted fitted(const test::SmallCell& small) {
   Fitted made{small.measured(), {}};
-  made.linear = linearise(made.measured, {CellState(made.measured.start, made.measured.free), {}}, {}, {}, {});
-  setNoise(made.measured, NoiseEstimate{.theta = Eigen::VectorXd(), .b = {}, .covariance = {}}, made.linear);
+  made.linear = refit(made.measured, {CellState(made.measured.start, made.measured.free), {}}, {}, {}, NoiseEstimate{}, {}, true);
   return made;
 }
 
