@@ -68,7 +68,7 @@ struct Suspicion {
 
 /// "0.11 px", or of poses "0.05 mm".
 std::string leftText(const Problem& problem, const Registration& registration, double misfit) {
-  if (!problem.observations.front().pose) return std::isfinite(misfit) ? fmt::format("{:.4g} px", misfit) : "pictures that show nothing";
+  if (!problem.observations.front().pose) return std::isfinite(misfit) ? fmt::format("{:.4g} px", misfit) : "no pixel";
   std::vector<double> ways;
   for (const HypothesisSample& sample : problem.samples) {
     const Eigen::Isometry3d modelled = registration.T_camera_near * sample.T_near_far * registration.T_far_target;
@@ -151,7 +151,7 @@ class MistakeSearch {
   const std::optional<Suspicion>& best() const { return best_; }
 
  private:
-  bool explains(double misfit) const { return misfit <= kMends * misfit_ && misfit <= kMendedOfChance * chance_; }
+  bool explains(double misfit) const { return std::isfinite(misfit) && misfit <= kMends * misfit_ && misfit <= kMendedOfChance * chance_; }
 
   void consider(const Problem& altered, const std::string& text, InputPart part) {
     if (altered.observations.size() < std::max<std::size_t>(4, few_.observations.size() * 3 / 4)) return;
@@ -159,7 +159,8 @@ class MistakeSearch {
     if (!found || !(found->misfit < misfit_)) return;
     const Registration& registration = found->fit.cell.registration;
     const double calibrated = calibratedMisfit(altered, registration);
-    const bool arm_explains_rest = few_.cell.arm && calibrated <= kMendsCalibrated * calibrated_ && calibrated <= kSuspicious * chance_;
+    const bool arm_explains_rest =
+        few_.cell.arm && std::isfinite(calibrated) && calibrated <= kMendsCalibrated * calibrated_ && calibrated <= kSuspicious * chance_;
     if (!explains(found->misfit) && !arm_explains_rest) return;
     keep({text, part, std::nullopt, found->misfit, calibrated, leftText(altered, registration, found->misfit)});
   }
@@ -203,7 +204,9 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
   const Problem few = thinned(cell, observations, samples, kRows);
   // Fewer poses fit any pictures.
   if (few.observations.size() < 4) return;
-  const double chance = chanceMisfit(few);
+  double chance = chanceMisfit(few);
+  // Random pairings that show no pixel at all say nothing of one that shows some.
+  if (!std::isfinite(chance)) chance = found.misfit;
   const std::string stated = leftText(few, found.fit.cell.registration, found.misfit);
   const bool suspicious = found.misfit >= kSuspicious * chance;
   if (!beside && !suspicious) return;
@@ -213,12 +216,12 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
     return;
   }
   MistakeSearch search(few, found.fit.cell.registration, found.misfit, chance);
-  if (cell.arm && search.calibrated() <= std::max(floor, 0.25 * kSuspicious * chance)) return;
+  if (cell.arm && std::isfinite(found.misfit) && search.calibrated() <= std::max(floor, 0.25 * kSuspicious * chance)) return;
   if (mispaired) search.considerRows(*mispaired);
   search.tryAll(mistakesOf(few, observations));
   search.trySizes();
   if (search.best()) refuse(*search.best(), stated);
-  if (found.misfit < kHopeless * chance) return;
+  if (std::isfinite(found.misfit) && found.misfit < kHopeless * chance) return;
   throw ImplausibleCapture(
       fmt::format("no registration explains most of the pictures (the best leaves {}, as rows that have nothing to do "
                   "with them would): expected readings, robot and pictures that belong together",

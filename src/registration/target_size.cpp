@@ -28,13 +28,16 @@ class Profile {
     options.max_iterations = 40;
     const Adjustment fit = adjust(cell, scaled.observations, options);
     last_ = fit.cell.registration;
+    rms_ = rmsResidual(fit.cell, scaled.observations);
     return fit.chi_square;
   }
   const Registration& registration() const { return last_; }
+  double rms() const { return rms_; }
 
  private:
   const Problem& problem_;
   Registration last_;
+  double rms_ = 0.0;
 };
 
 }  // namespace
@@ -43,11 +46,10 @@ std::optional<TargetSize> fitTargetSize(const Problem& problem, const Registrati
   const Problem kept = agreeing(problem, start);
   const double spare = 6.0 * static_cast<double>(kept.observations.size()) - 13.0;
   if (spare < 11.0) return std::nullopt;
-  double units = 0.0;
-  for (const Observation& observation : kept.observations) units += observation.unitCount();
   Profile profile(kept, start);
   TargetSize size;
-  size.rms_as_stated = std::sqrt(profile.chiSquare(0.0) / units);
+  profile.chiSquare(0.0);
+  size.rms_as_stated = profile.rms();
   double log_size = 0.0;
   for (int round = 0; round < kRounds; ++round) {
     const double below = profile.chiSquare(log_size - kStep), at = profile.chiSquare(log_size), above = profile.chiSquare(log_size + kStep);
@@ -58,7 +60,8 @@ std::optional<TargetSize> fitTargetSize(const Problem& problem, const Registrati
     log_size += step;
     if (curvature > 0.0) size.deviation = std::sqrt(2.0 * at / spare / curvature);
     if (curvature > 0.0 && std::abs(step) < std::max(1e-6, 0.01 * size.deviation)) {
-      size.rms = std::sqrt(profile.chiSquare(log_size) / units);
+      profile.chiSquare(log_size);
+      size.rms = profile.rms();
       size.registration = profile.registration();
       size.factor = std::exp(log_size);
       size.deviation *= size.factor;

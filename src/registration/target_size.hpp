@@ -10,7 +10,7 @@ namespace poecal {
 struct TargetSize {
   double factor = 1.0;     ///< of the stated size
   double deviation = 0.0;  ///< 1 sigma; each picture counts as the six numbers of its pose
-  double rms = 0.0;        ///< sqrt(sum |r|^2 / N) over the units that agree, at that size, in units of the stated sigma
+  double rms = 0.0;        ///< sqrt(sum |r|^2 / N) over the corners of the samples that agree, at that size [px]
   double rms_as_stated = 0.0;
   Registration registration;  ///< at that size
 };

@@ -2,9 +2,12 @@
 
 #include <functional>
 #include <map>
+#include <ostream>
 
 #include <fmt/format.h>
 
+#include "poecal/core/error.hpp"
+#include "poecal/registration/registration.hpp"
 #include "support/cameras.hpp"
 
 namespace poecal::test {
@@ -159,6 +162,8 @@ std::string nameOf(const CaptureKind& kind) {
                      kind.view == View::kWide ? "wide" : "lookat", kind.pictures);
 }
 
+void PrintTo(const CaptureKind& kind, std::ostream* stream) { *stream << nameOf(kind); }
+
 MadeCapture makeCapture(const CaptureKind& kind, Rng& rng) {
   MadeCapture made;
   made.told.arm = armOf(kind.arm);
@@ -189,6 +194,20 @@ MadeCapture makeCapture(const CaptureKind& kind, Rng& rng) {
     made.told.registration.setup = Setup::kEyeToHand;
   }
   return made;
+}
+
+Said said(const MadeCapture& capture) {
+  try {
+    if (capture.observations.front().pose) {
+      registerPoses(capture.told, capture.observations, true);
+      return {};
+    }
+    std::string warnings;
+    for (const std::string& warning : registerCell(capture.told, capture.observations, {}).warnings) warnings += warning + "\n";
+    return {false, warnings};
+  } catch (const Error& error) {
+    return {true, error.what()};
+  }
 }
 
 }  // namespace poecal::test

@@ -1,6 +1,7 @@
 // Small captures of arms that err as arms do, good ones and spoilt ones.
 #pragma once
 
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct CaptureKind {
 };
 
 std::string nameOf(const CaptureKind& kind);
+void PrintTo(const CaptureKind& kind, std::ostream* stream);  ///< for GoogleTest
 
 struct MadeCapture {
   Cell told;   ///< as a user states it: nominal arm or none, camera, setup
@@ -33,6 +35,13 @@ struct MadeCapture {
 
 /// Always the same for a kind and a state of the generator.
 MadeCapture makeCapture(const CaptureKind& kind, Rng& rng);
+
+/// What is said of a capture: an error's message, or its warnings; empty where there is nothing to say.
+struct Said {
+  bool refused = false;
+  std::string message;
+};
+Said said(const MadeCapture& capture);
 
 /// One way to spoil a capture, and what must be said of it.
 struct Spoilt {

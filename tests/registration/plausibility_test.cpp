@@ -1,7 +1,7 @@
-// Good captures pass, and captures with one mistake are refused with its name.
+// Good captures pass; what is left out, open or off is said.
 #include <gmock/gmock.h>
 
-#include "poecal/registration/implausible.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/registration/registration.hpp"
 #include "registration/captures.hpp"
 #include "support/matchers.hpp"
@@ -11,72 +11,17 @@ namespace {
 
 using test::CaptureKind;
 using test::MadeCapture;
+using test::makeCapture;
 using test::Readings;
+using test::Said;
+using test::said;
 using test::View;
 using ::testing::HasSubstr;
-
-/// What is said of a capture: an error's message, or its warnings; empty where there is nothing to say.
-struct Said {
-  bool refused = false;
-  std::string message;
-};
-
-Said said(const MadeCapture& capture) {
-  try {
-    if (capture.observations.front().pose) {
-      registerPoses(capture.told, capture.observations, true);
-      return {};
-    }
-    std::string warnings;
-    for (const std::string& warning : registerCell(capture.told, capture.observations, {}).warnings) warnings += warning + "\n";
-    return {false, warnings};
-  } catch (const Error& error) {
-    return {true, error.what()};
-  }
-}
-
-class PlausibilityOf : public ::testing::TestWithParam<CaptureKind> {};
-
-TEST_P(PlausibilityOf, GoodCapturesPassAndSpoiltOnesAreNamed) {
-  Rng rng = test::rngOfThisTest();
-  const MadeCapture good = makeCapture(GetParam(), rng);
-  ASSERT_EQ(static_cast<int>(good.observations.size()), GetParam().pictures);
-  const Said of_good = said(good);
-  EXPECT_FALSE(of_good.refused) << of_good.message;
-  int spoilt = 0, named = 0;
-  std::string unnamed;
-  for (const test::Spoilt& one : spoiltCaptures(GetParam(), good)) {
-    ++spoilt;
-    const Said answer = said(one.capture);
-    EXPECT_TRUE(answer.refused || answer.message.find(one.said) != std::string::npos) << one.name << " passed: " << answer.message;
-    if (answer.message.find(one.said) != std::string::npos) {
-      ++named;
-    } else {
-      unnamed += one.name + ": " + answer.message + "\n";
-    }
-  }
-  EXPECT_GE(named, 0.9 * spoilt) << unnamed;
-  RecordProperty("named", named);
-  RecordProperty("spoilt", spoilt);
-}
-
-INSTANTIATE_TEST_SUITE_P(Kinds, PlausibilityOf,
-                         ::testing::Values(CaptureKind{"elbow"}, CaptureKind{"elbow", Setup::kEyeInHand, Readings::kJoints, View::kLookAt},
-                                           CaptureKind{"elbow", Setup::kEyeToHand, Readings::kTracker},
-                                           CaptureKind{"seven", Setup::kEyeInHand},
-                                           CaptureKind{"seven", Setup::kEyeToHand, Readings::kFlangePoses},
-                                           CaptureKind{"shoulder", Setup::kEyeToHand, Readings::kJoints, View::kLookAt},
-                                           CaptureKind{"shoulder", Setup::kEyeInHand, Readings::kFlangePoses, View::kLookAt},
-                                           CaptureKind{"shoulder", Setup::kEyeToHand, Readings::kTracker}, CaptureKind{"scara"},
-                                           CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses},
-                                           CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses, View::kLookAt, 20},
-                                           CaptureKind{"seven", Setup::kEyeToHand, Readings::kJoints, View::kWide, 20}),
-                         [](const auto& kind) { return nameOf(kind.param); });
 
 TEST(Plausibility, LooseArmsAndFewPicturesPass) {
   Rng rng = test::rngOfThisTest();
   for (const char* arm : {"elbow", "seven", "shoulder", "scara"}) {
-    for (const Setup setup : {Setup::kEyeToHand, Setup::kEyeInHand}) {
+    for (const auto setup : {Setup::kEyeToHand, Setup::kEyeInHand}) {
       for (const View view : {View::kWide, View::kLookAt}) {
         for (const int pictures : {12, 40}) {
           const CaptureKind kind{arm, setup, Readings::kJoints, view, pictures, 6e-3, 2e-3};

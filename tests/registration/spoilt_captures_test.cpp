@@ -1,0 +1,47 @@
+// Captures with one mistake are refused with its name, and the same captures without it pass.
+#include <gmock/gmock.h>
+
+#include "registration/captures.hpp"
+
+namespace poecal {
+namespace {
+
+using test::CaptureKind;
+using test::MadeCapture;
+using test::Readings;
+using test::Said;
+using test::said;
+using test::View;
+
+class PlausibilityOf : public ::testing::TestWithParam<CaptureKind> {};
+
+TEST_P(PlausibilityOf, GoodCapturesPassAndSpoiltOnesAreNamed) {
+  Rng rng = test::rngOfThisTest();
+  const MadeCapture good = makeCapture(GetParam(), rng);
+  ASSERT_EQ(static_cast<int>(good.observations.size()), GetParam().pictures);
+  const Said of_good = said(good);
+  EXPECT_FALSE(of_good.refused) << of_good.message;
+  int spoilt = 0, named = 0;
+  std::string unnamed;
+  for (const test::Spoilt& one : spoiltCaptures(GetParam(), good)) {
+    ++spoilt;
+    const Said answer = said(one.capture);
+    EXPECT_TRUE(answer.refused || answer.message.find(one.said) != std::string::npos) << one.name << " passed: " << answer.message;
+    if (answer.message.find(one.said) != std::string::npos) {
+      ++named;
+    } else {
+      unnamed += one.name + ": " + answer.message + "\n";
+    }
+  }
+  EXPECT_GE(named, 0.9 * spoilt) << unnamed;
+  RecordProperty("named", named);
+  RecordProperty("spoilt", spoilt);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, PlausibilityOf,
+                         ::testing::Values(CaptureKind{"elbow"},
+                                           CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses, View::kLookAt, 20}),
+                         [](const auto& kind) { return nameOf(kind.param); });
+
+}  // namespace
+}  // namespace poecal
