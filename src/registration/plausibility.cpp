@@ -80,7 +80,7 @@ std::string leftText(const Problem& problem, const Registration& registration, d
 std::vector<Mistake> mistakesOf(const Problem& few, const std::vector<Observation>& observations) {
   std::vector<Mistake> all;
   for (std::vector<Mistake>& kind : std::array{unitMistakes(few), setupMistakes(few), poseMistakes(few), jointMistakes(few),
-                                               orderMistakes(few, observations), lensMistakes(few)}) {
+                                               orderMistakes(few, observations), cornerMistakes(few), lensMistakes(few)}) {
     std::move(kind.begin(), kind.end(), std::back_inserter(all));
   }
   return all;

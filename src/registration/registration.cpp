@@ -259,49 +259,15 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
                               " (the arm's motions leave it open); it is held where it started");
   }
 
-<<<<<<< ours
-  double used_squares = 0.0, used_corners = 0.0, all_squares = 0.0, all_corners = 0.0;
-  double free_squares = 0.0, free_corners = 0.0, free_chi_square = 0.0, redundancy = 0.0;
-  for (std::size_t k = 0; k < observations.size(); ++k) {
-    RegisteredSample sample;
-    sample.sample = observations[k].sample;
-    sample.left_out = out[k];
-    sample.rms_px = cornerRms(result.cell, observations[k]);
-    const double corners = observations[k].unitCount();
-    if (std::isfinite(sample.rms_px)) {
-      const double of_all = plain ? cornerRms(*plain, observations[k]) : sample.rms_px;
-      all_squares += corners * of_all * of_all;
-      all_corners += corners;
-      if (!out[k]) {
-        used_squares += corners * sample.rms_px * sample.rms_px;
-        used_corners += corners;
-      }
-    }
-    double chi_square = 0.0, spare = 0.0;
-    measureFlange(result.cell, observations[k], hypotheses[k].candidates, sample, chi_square, spare);
-    if (sample.has_pose && !out[k]) {
-      free_squares += corners * sample.free_rms_px * sample.free_rms_px;
-      free_corners += corners;
-      free_chi_square += chi_square;
-      redundancy += spare;
-    }
-    result.samples.push_back(std::move(sample));
-  }
-  result.rms_px = used_corners > 0.0 ? std::sqrt(used_squares / used_corners) : 0.0;
-  result.rms_all_px = all_corners > 0.0 ? std::sqrt(all_squares / all_corners) : 0.0;
-  result.free_rms_px = free_corners > 0.0 ? std::sqrt(free_squares / free_corners) : 0.0;
-  result.corner_scale = redundancy > 0.0 ? std::sqrt(free_chi_square / redundancy) : 1.0;
-  result.corner_sigma_px = result.corner_scale * statedSigma(observations);
-  for (RegisteredSample& sample : result.samples) sample.covariance *= result.corner_scale * result.corner_scale;
-=======
   measureSamples(observations, hypotheses, out, plain, result);
->>>>>>> theirs
   return result;
 }
 
 Adjustment registerPoses(const Cell& cell, const std::vector<Observation>& observations, bool robust) {
   if (observations.size() < 3) throw InsufficientData(fmt::format("{} poses, at least 3 are needed to register", observations.size()));
-  requireTurning(cell, observations);
+  // Positions alone tell of the frames by the ways between them, also where the tool keeps its orientation; where it then sits on the
+  // flange stays open.
+  if (!observations.front().pose->position_only) requireTurning(cell, observations);
   const std::vector<HypothesisSample> samples = hypothesisSamples(cell, observations);
   Consensus found = requireConsensus(cell, observations, samples, {.robust = robust});
   requirePlausible(cell, observations, samples, found);
