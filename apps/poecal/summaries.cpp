@@ -117,6 +117,10 @@ std::string identificationText(const CalibrationRun& run) {
     text += fmt::format("  the arm is {:.1f} times farther from its robot file than the tolerances say; the fit allowed for that\n",
                         identification.arm_beyond_tolerance);
   }
+  // Six motions of the base frame are always among them; what the transforms have to do with is the measurements' lack.
+  for (const std::string& direction : identification.unseen) {
+    if (direction.find("T_") != std::string::npos) text += fmt::format("  not determined by these poses: {}\n", direction);
+  }
   return text + suspectText(identification, run.measurements.samples);
 }
 

@@ -144,6 +144,12 @@ std::vector<bool> climb(const Selection& selection, const MeasuredCell& measured
   return serves;
 }
 
+/// Whether all findings together make held-out poses worse than the identification left them: then none of them is named.
+bool isWorse(const Diagnosis& diagnosis) {
+  constexpr double kBeyondChance = 1.05;
+  return diagnosis.stages.back().rms > kBeyondChance * diagnosis.stages[kIdentified].rms;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const Identification& identification, const Measurements& given, const DiagnoseOptions& options) {
@@ -166,6 +172,10 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
     const Selection selection = selectEffects(measured, state, wild, limits);
     Diagnosis diagnosis = tellFindings(selection, row_order);
     const std::vector<bool> serves = climb(selection, measured, identification, options, diagnosis);
+    if (limits.most > 0 && isWorse(diagnosis)) {
+      limits.most = 0;
+      continue;
+    }
     std::size_t useless = 0;
     for (; useless < diagnosis.findings.size(); ++useless) {
       const std::string& effect = diagnosis.findings[useless].effect;

@@ -118,7 +118,7 @@ TEST(Waves, OfThreeJointsAreToldThereAndServePosesThatNobodySaw) {
 
 // A name that does the work of several waves is the answer.
 TEST(Waves, StandBackWhereANamedEffectServes) {
-  const Diagnosis diagnosis = test::smallCell(7, 80, kSigma, {{"joint_compliance", "joint:3", {{"compliance", 3e-5}}}}).diagnosis();
+  const Diagnosis diagnosis = test::smallCell(7, 80, kSigma, {{"joint_compliance", "joint:3", {{"compliance", 6e-5}}}}).diagnosis();
   ASSERT_THAT(diagnosis.findings, SizeIs(1));
   EXPECT_NE(diagnosis.findings.front().effect, "unknown");
 }
