@@ -54,13 +54,23 @@ ErrorVariances estimateVariances(const std::vector<FlangeEvidence>& evidence) {
   constexpr std::size_t kEnough = 500;  // poses: two variances are then known to a twentieth
   constexpr int kMaxSteps = 100;
   constexpr double kSettled = 1e-3, kFewest = 1e-6, kSmallest = 1e-18;
+  constexpr double kWild = 25.0;  // times the median: five times as far as most, which none in 10^10 is by chance
   const std::size_t step = std::max<std::size_t>(1, evidence.size() / kEnough);
   ErrorVariances variances;
   for (int k = 0; k < kMaxSteps; ++k) {
     const Matrix6d precision = variances.precision();
-    Eigen::Vector2d squares(0.0, 0.0), known(0.0, 0.0);
+    std::vector<ErrorEstimate> estimates;
+    std::vector<double> sizes;
     for (std::size_t i = 0; i < evidence.size(); i += step) {
-      const ErrorEstimate estimate(evidence[i], precision);
+      const ErrorEstimate& estimate = estimates.emplace_back(evidence[i], precision);
+      sizes.push_back(estimate.mean.dot(precision * estimate.mean));
+    }
+    // A wild row is no draw of what the others are drawn from.
+    const double most = kWild * median(sizes);
+    Eigen::Vector2d squares(0.0, 0.0), known(0.0, 0.0);
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+      if (sizes[i] > most) continue;
+      const ErrorEstimate& estimate = estimates[i];
       squares += Eigen::Vector2d(estimate.mean.head<3>().squaredNorm(), estimate.mean.tail<3>().squaredNorm());
       known += Eigen::Vector2d(3.0 - estimate.traces(0) / variances.rotation, 3.0 - estimate.traces(1) / variances.position);
     }

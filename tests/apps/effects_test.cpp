@@ -31,7 +31,7 @@ TEST(Effects, OneIsToldInFull) {
 
 TEST(Effects, AllAreListed) {
   const nlohmann::json all = nlohmann::json::parse(run("--json").out);
-  ASSERT_EQ(all.size(), 28u);
+  ASSERT_EQ(all.size(), 29u);
   EXPECT_EQ(all.front().at("effect"), "joint_gain");
   EXPECT_EQ(all.back().at("effect"), "bad_samples");
   EXPECT_EQ(all.at(6).at("parameters").at(0).at("role"), "scanned") << "the time of joint_slip";

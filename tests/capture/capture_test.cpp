@@ -94,7 +94,7 @@ TEST_F(CaptureFolder, ErrorsNameLineAndExpectation) {
 }
 
 TEST_F(CaptureFolder, AUrdfNeedsItsTwoLinks) {
-  folder_.write("arm.urdf", "<robot name=\"a\"/>");
+  folder_.write("arm.urdf", "<robot name=\"a\"><link name=\"base\"/></robot>");
   EXPECT_THAT(errorOf(std::string(kHead) + "robot: arm.urdf\nbase_link: base\n"), HasSubstr("key 'tip_link' is missing"));
 }
 

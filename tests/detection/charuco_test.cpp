@@ -97,7 +97,7 @@ TEST(Charuco, AnotherDictionaryIsNamed) {
 TEST(Charuco, SidesThatAreExchangedAreNamed) {
   Rng rng = test::rngOfThisTest();
   const cv::Mat picture = charucoPicture(rng);
-  const Finding exchanged = makeCharucoFinder(charucoTarget(7, 5, 0.04, 0.03, "DICT_5X5_100"))->find(picture);
+  const FoundCorners exchanged = makeCharucoFinder(charucoTarget(7, 5, 0.04, 0.03, "DICT_5X5_100"))->find(picture);
   EXPECT_THAT(exchanged.corners, IsEmpty());
   EXPECT_THAT(exchanged.notes,
               ::testing::ElementsAre("the markers do not lie as on a board of 7 x 5 squares; they do on one with 5 squares a "

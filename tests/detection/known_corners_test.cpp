@@ -291,11 +291,11 @@ TEST_F(KnownPictures, GiveTheSameResultAndTheSameFileWhereverARunWasCut) {
   }
   const std::string unfinished = readTextFile(journal());
   const auto lines = std::count(unfinished.begin(), unfinished.end(), '\n');
-  ASSERT_EQ(lines, 1 + 5) << "a line for each picture that could be read";
+  ASSERT_EQ(lines, 1 + 4) << "a line for each picture that could be read; one of another size is not";
   {
     KnownCorners known(journal());
     ASSERT_EQ(detectWith(&known), fresh);
-    EXPECT_EQ(known.reused(), 5u);
+    EXPECT_EQ(known.reused(), 4u);
     known.finish();
   }
   const std::string finished = readTextFile(journal());

@@ -57,6 +57,24 @@ TEST(FlangeErrors, OfTheTrueArmAreNearlyNone) {
   EXPECT_LT(compared.told.position.rms, 0.15 * rms(compared.raw));
 }
 
+TEST(FlangeErrors, AWildRowLeavesThoseOfTheOthersAlone) {
+  const test::Simulated data = test::simulated("cobot6", 44, 60, 0);
+  Rng rng(6);
+  Eigen::VectorXd beta(twistParameterCount(*data.truth.arm));
+  for (Eigen::Index k = 0; k < beta.size(); ++k) beta(k) = (k % 4 < 2 ? 1.5e-4 : 1e-4) * rng.normal();
+  Cell model = data.truth;
+  model.arm = displaceTwists(*model.arm, beta);
+  ErrorCollector tidy(1.0), spoilt(1.0);
+  for (std::size_t k = 0; k < data.calibration.size(); ++k) {
+    Observation observation = data.calibration[k];
+    tidy.add(model, k, observation);
+    for (CornerMeasurement& corner : observation.corners) corner.px.x() += k == 7 ? 40.0 : 0.0;
+    spoilt.add(model, k, observation);
+  }
+  EXPECT_NEAR(spoilt.summary().position.median, tidy.summary().position.median, 0.1 * tidy.summary().position.median);
+  EXPECT_GT(spoilt.summary().position.max, 20.0 * tidy.summary().position.max) << "it counts for itself";
+}
+
 TEST(FlangeErrors, LargeOnesAreAsMeasured) {
   const test::Simulated data = test::simulated("cobot6", 43, 60, 0);
   Cell model = data.truth;
