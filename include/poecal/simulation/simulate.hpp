@@ -43,10 +43,10 @@ struct SimulateSummary {
 /// actual.yaml (the arm), camera.yaml, target.yaml, corners.csv (exact), samples.csv (the joints that the arm really had) and, where the
 /// pictures are to look like others, pictures.csv (the blur and noise of each). Deterministic by the scene's seeds, whatever options.jobs.
 /// With intrinsics pictures the truth also holds their exact corners, intrinsics_corners.csv.
-/// capture.yaml is written last. A folder that a killed program began with the same scene is finished: pictures that are there are not drawn
-/// again. While it is being written the file `.unfinished` is in it.
-/// @throws FileError if one of the two folders exists, is not empty and is no such folder; InsufficientData where the samples lack what an effect is driven
-/// by.
+/// capture.yaml is written last. A folder that a killed program began with the same scene is finished: pictures that are there are not
+/// drawn again. While it is being written the file `.unfinished` is in it.
+/// @throws FileError if one of the two folders exists, is not empty and is no such folder; InsufficientData where the samples lack what an
+/// effect is driven by.
 SimulateSummary simulate(const Scene& scene, const std::filesystem::path& capture, const SimulateOptions& options);
 
 }  // namespace poecal
