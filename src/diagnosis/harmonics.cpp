@@ -289,9 +289,14 @@ class WaveSearch {
   std::vector<Port> ports_;
 };
 
-/// A single wave of the joint's own angle is joint_eccentricity or joint_harmonic.
-bool hasAName(std::size_t joint, const std::vector<Entry>& waves) {
-  return waves.size() == 1 && waves.front().wave.size() == 1 && waves.front().wave.begin()->first == joint;
+/// A single wave of the joint's own angle is joint_eccentricity or joint_harmonic. Beside one of these it is one more wave of the same
+/// cause.
+bool hasAName(std::size_t joint, const std::vector<Entry>& waves, const Linearised& linear) {
+  const bool named_before = std::any_of(linear.accepted.begin(), linear.accepted.end(), [&](const Accepted& one) {
+    return one.candidate.known() && (one.candidate.name == "joint_harmonic" || one.candidate.name == "joint_eccentricity") &&
+           one.candidate.effect->index() == joint;
+  });
+  return !named_before && waves.size() == 1 && waves.front().wave.size() == 1 && waves.front().wave.begin()->first == joint;
 }
 
 /// All waves of a path as one explanation at a joint, beside those of `before`. @param log_share  of the joint.
@@ -399,7 +404,7 @@ std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linear
   joints.resize(std::min(joints.size(), kJoints));
   for (const std::size_t k : joints) {
     const auto path = search.path(k, most);
-    if (path.waves.empty() || hasAName(k, path.waves)) continue;
+    if (path.waves.empty() || hasAName(k, path.waves, linear)) continue;
     candidates.push_back(candidateOf(k, path.waves, std::log(kWaveShare / static_cast<double>(search.joints())), nullptr));
   }
   return candidates;

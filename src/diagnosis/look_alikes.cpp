@@ -70,6 +70,9 @@ std::optional<double> varianceAmongRepeats(const JointErrors& errors) {
   return std::max(0.0, squares - expected) / freedom;
 }
 
+// What tells structure from a joint that moves at random.
+constexpr const char* kTakeAgain = "the same poses taken again after other ones: what differs then is random, what does not is structure";
+
 /// Gives others a share of a finding's probability. @param weight  of the other one, where the finding's own is 1.
 struct Sharing {
   Finding& finding;
@@ -135,7 +138,7 @@ void shareScatter(const Selection& selection, std::size_t joint, const RowOrder&
     if (among) finer = *among > 0.5 * variance ? 0.0 : kSame * std::exp(std::min(5.0, variance / std::max(*among, 0.01 * variance)));
   }
   sharing.add("unknown", finding.location, allJoints(selection), finer);
-  std::string way = "the same poses taken again after other ones: what differs then is random, what does not is structure";
+  std::string way = kTakeAgain;
   double half_gap = 0.0;
   if (row_order.dir) {
     const TwoValues two =
@@ -193,6 +196,21 @@ void shareMasses(const Selection& selection, std::size_t joint, Finding& finding
   sharing.share("state the links' masses in the robot's file");
 }
 
+/// Structure that was taken before a joint that moves at random: what it does not follow of the joint's errors speaks for the other as much
+/// as for structure finer than the poses.
+void shareStructure(Finding& finding) {
+  constexpr double kSame = 0.5;
+  for (AlternativeCause& other : finding.alternatives) {
+    if (other.effect != "joint_scatter" || other.location != finding.location || other.probability <= kSame * finding.probability) continue;
+    const double both = finding.probability + other.probability;
+    finding.probability = both / (1.0 + kSame);
+    other.probability = both - finding.probability;
+    finding.separate_with = kTakeAgain;
+  }
+  std::stable_sort(finding.alternatives.begin(), finding.alternatives.end(),
+                   [](const AlternativeCause& a, const AlternativeCause& b) { return a.probability > b.probability; });
+}
+
 double logNormal(double x, double variance) { return -0.5 * (std::log(variance) + x * x / variance); }
 
 }  // namespace
@@ -225,6 +243,7 @@ void addLookAlikes(const Selection& selection, const FoundEffect& found, const R
     const bool link = effect.name() == "link_bending";
     shareMasses(selection, effect.name() == "base_compliance" ? 1 : effect.index() + (link ? 1 : 0), finding);
   }
+  if (found.accepted && !found.accepted->candidate.known()) shareStructure(finding);
   if (!found.scatter) shareUntested(selection, finding);
 }
 
