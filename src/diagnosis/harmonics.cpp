@@ -20,6 +20,7 @@ constexpr double kHopeless = -1e300;
 // Prior share of waves at all joints, beside those of candidates.cpp: with the curves 0.30 for what nobody listed against 0.75 for what has
 // a name.
 constexpr double kWaveShare = 0.05;
+constexpr double kNamedBeside = 0.01;  // of a wave that has a name, which stands for it
 
 using Entry = WaveDictionary::Entry;
 
@@ -289,14 +290,9 @@ class WaveSearch {
   std::vector<Port> ports_;
 };
 
-/// A single wave of the joint's own angle is joint_eccentricity or joint_harmonic. Beside one of these it is one more wave of the same
-/// cause.
-bool hasAName(std::size_t joint, const std::vector<Entry>& waves, const Linearised& linear) {
-  const bool named_before = std::any_of(linear.accepted.begin(), linear.accepted.end(), [&](const Accepted& one) {
-    return one.candidate.known() && (one.candidate.name == "joint_harmonic" || one.candidate.name == "joint_eccentricity") &&
-           one.candidate.effect->index() == joint;
-  });
-  return !named_before && waves.size() == 1 && waves.front().wave.size() == 1 && waves.front().wave.begin()->first == joint;
+/// A single wave of the joint's own angle is joint_eccentricity or joint_harmonic.
+bool hasAName(std::size_t joint, const std::vector<Entry>& waves) {
+  return waves.size() == 1 && waves.front().wave.size() == 1 && waves.front().wave.begin()->first == joint;
 }
 
 /// All waves of a path as one explanation at a joint, beside those of `before`. @param log_share  of the joint.
@@ -404,8 +400,10 @@ std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linear
   joints.resize(std::min(joints.size(), kJoints));
   for (const std::size_t k : joints) {
     const auto path = search.path(k, most);
-    if (path.waves.empty() || hasAName(k, path.waves, linear)) continue;
-    candidates.push_back(candidateOf(k, path.waves, std::log(kWaveShare / static_cast<double>(search.joints())), nullptr));
+    if (path.waves.empty()) continue;
+    // What has a name is told by it, unless more of the same kind is left beside it.
+    const double share = hasAName(k, path.waves) ? kNamedBeside * kWaveShare : kWaveShare;
+    candidates.push_back(candidateOf(k, path.waves, std::log(share / static_cast<double>(search.joints())), nullptr));
   }
   return candidates;
 }
