@@ -16,6 +16,12 @@ std::string size(const Diagnosis& diagnosis, double value) {
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
 
+/// A probability in words: never that there is no doubt.
+std::string sureness(double probability) {
+  constexpr double kBeyondTelling = 0.999;
+  return probability >= kBeyondTelling ? "99.9 % sure or more" : percent(probability) + " sure";
+}
+
 std::string meaning(const std::string& effect) {
   if (effect == "unknown") return "structure that no listed effect explains";
   return effectKind(effect).meaning;
@@ -44,7 +50,7 @@ std::string remains(const Diagnosis& diagnosis) {
 }
 
 std::string ladder(const Diagnosis& diagnosis) {
-  std::string text = fmt::format("  on poses that the fit did not see, {}:\n", noise(diagnosis));
+  std::string text = fmt::format("  on held-out poses, {}:\n", noise(diagnosis));
   std::size_t width = 0;
   for (const GapStage& stage : diagnosis.stages) width = std::max(width, stage.stage.size());
   for (const GapStage& stage : diagnosis.stages) {
@@ -88,8 +94,7 @@ std::string drivenBy(const Diagnosis& diagnosis, const std::string& driver) {
 std::string findingText(const Diagnosis& diagnosis, const Finding& finding) {
   constexpr std::size_t kMostSizes = 8;
   std::string text = fmt::format("  where: {}, driven by {}\n", finding.location, drivenBy(diagnosis, finding.driver));
-  text +=
-      fmt::format("  which: {}: {} ({} sure)\n", finding.effect, meaning(finding.effect), percent(std::min(0.999, finding.probability)));
+  text += fmt::format("  which: {}: {} ({})\n", finding.effect, meaning(finding.effect), sureness(finding.probability));
   if (!finding.parameters.empty() && finding.parameters.size() <= kMostSizes) text += fmt::format("         {}\n", sizes(finding));
   if (finding.largest_deflection) {
     text += fmt::format("         largest deflection over these poses {:.3f} mrad\n", 1e3 * *finding.largest_deflection);

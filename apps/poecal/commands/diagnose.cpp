@@ -14,9 +14,9 @@ Example:
   $ poecal diagnose capture --out out
   diagnosis: 1 finding
     where: joint:6, driven by q5
-    which: joint_coupling: another joint's motion leaks into this one (100 % sure)
-           ratio 0.0009826 +- 5.9e-05, source 5
-    how far: the gap shrinks by 67 % (53 % to 77 %)
+    which: joint_coupling: another joint's motion leaks into this one (99.9 % sure or more)
+           ratio 0.0009735 +- 4.9e-05, source 5
+    how far: the gap shrinks by 72 % (43 % to 81 %)
     what to do: enter the coupling ratio of the wrist's gears in the controller
 )";
 
