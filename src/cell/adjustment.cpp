@@ -77,7 +77,7 @@ class Adjuster {
     std::vector<std::vector<double>> squares = squaredNorms(state_);
     scale_ = options_.scale > 0.0 ? options_.scale : robustScale(squares);
     Adjustment result;
-    double damping = 1e-8;
+    double damping = 1e-10;
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
       const double previous_scale = scale_, previous_tolerance = tolerance_;
       updateScaleAndWeights(squares, iteration);
@@ -89,8 +89,8 @@ class Adjuster {
       if (options_.tolerance <= 0.0) updateTolerance(normal);
       const bool settled = (std::abs(scale_ - previous_scale) <= 1e-6 * scale_ || options_.scale > 0.0) &&
                            std::abs(tolerance_ - previous_tolerance) <= 1e-4 * tolerance_;
-      // A step of 1e-6 standard deviations, or none that lowers the cost: rounding is reached.
-      if ((!predicted || *predicted < 1e-12) && settled && iteration > 1) {
+      // A step of 1e-8 standard deviations, or none that lowers the cost: rounding is reached.
+      if ((!predicted || *predicted < 1e-16) && settled && iteration > 1) {
         result.status = AdjustmentStatus::kConverged;
         break;
       }

@@ -142,9 +142,9 @@ CeresBundle solveWithCeres(const Cell& start, const std::vector<Observation>& ob
   ceres::Solver::Options solver;
   // The fastest of its solvers where few parameters enter every residual.
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  solver.function_tolerance = 1e-12;
-  solver.gradient_tolerance = 1e-12;
-  solver.parameter_tolerance = 1e-13;
+  solver.function_tolerance = 1e-18;
+  solver.gradient_tolerance = 1e-15;
+  solver.parameter_tolerance = 1e-15;
   solver.max_num_iterations = 100;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
