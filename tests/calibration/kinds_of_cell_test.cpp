@@ -162,7 +162,7 @@ TEST(KindsOfCell, PositionsAlone) {
   ASSERT_TRUE(calibration.model && calibration.diagnosis) << calibration.no_diagnosis;
   std::vector<double> lengths;
   for (std::size_t k = kPoses; k < truth.q.size(); ++k) {
-    const auto toolOf = [&](const Cell& cell) {
+    const auto toolOf = [&](const Cell& cell) -> Eigen::Vector3d {
       return cell.registration.cameraTarget(forwardKinematics(*cell.arm, truth.q[k])).translation();
     };
     lengths.push_back((toolOf(truth.cell) - toolOf(calibration.model->cell)).norm());
