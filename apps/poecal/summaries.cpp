@@ -1,5 +1,6 @@
 #include "summaries.hpp"
 
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -53,13 +54,10 @@ std::string suspectText(const Identification& identification, const std::vector<
 }
 
 /// Three coordinates [m]; those that an open direction moves are marked.
-std::string placeText(const Eigen::Vector3d& place, const std::optional<Eigen::Vector3d>& open_axis) {
-  // A smaller component of the direction is that of noise in it.
-  constexpr double kAlong = 0.02;
+std::string placeText(const Eigen::Vector3d& place, const std::array<bool, 3>& open) {
   std::string text;
   for (int k = 0; k < 3; ++k) {
-    const bool open = open_axis && std::abs((*open_axis)(k)) > kAlong;
-    text += fmt::format("{}{:.4f}{}", k == 0 ? "" : " ", place(k), open ? " (open)" : "");
+    text += fmt::format("{}{:.4f}{}", k == 0 ? "" : " ", place(k), open[static_cast<std::size_t>(k)] ? " (open)" : "");
   }
   return text;
 }
@@ -73,7 +71,7 @@ std::string registrationText(const CalibrationRun& run) {
   std::string text =
       fmt::format("registered {} pictures: {:.3f} px rms ({:.3f} px with every picture, {:.3f} px with a free pose for each)\n",
                   result.samples.size(), result.rms_px, result.rms_all_px, result.free_rms_px);
-  text += fmt::format("  camera in {}: {} m\n", registration.nearFrame(), placeText(camera, result.open_axis));
+  text += fmt::format("  camera in {}: {} m\n", registration.nearFrame(), placeText(camera, result.open_near));
   if (result.open_axis) {
     const Eigen::Vector3d& axis = *result.open_axis;
     text += fmt::format("  open: along ({:.3f} {:.3f} {:.3f}) of the {}, the one axis of all turns, nothing says where the camera is\n",

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/yaml.hpp"
+#include "diagnosis/diagnosis_json.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/identification/model.hpp"
@@ -97,7 +98,7 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
 std::string diagnosisJson(const Calibration& calibration, const Measurements& measurements) {
   if (!calibration.diagnosis && calibration.no_diagnosis.empty()) throw InvalidArgument("no diagnosis was asked for");
   nlohmann::ordered_json json{{"format", "poecal-diagnosis/1"}, {"verdict", "insufficient data"}, {"why", calibration.no_diagnosis}};
-  if (calibration.diagnosis) json = nlohmann::ordered_json::parse(diagnosisJson(*calibration.diagnosis, measurements.samples));
+  if (calibration.diagnosis) json = diagnosisObject(*calibration.diagnosis, measurements.samples);
   json["model_source"] = modelSourceName(calibration.model_source);
   json["model_source_why"] = calibration.model_reason;
   return json.dump(2) + "\n";

@@ -1,9 +1,7 @@
 // diagnosis.json, as the contract words it.
+#include "diagnosis/diagnosis_json.hpp"
+
 #include <cmath>
-
-#include <nlohmann/json.hpp>
-
-#include "poecal/diagnosis/diagnose.hpp"
 
 namespace poecal {
 namespace {
@@ -86,7 +84,7 @@ Json orNull(const std::string& text) { return text.empty() ? Json(nullptr) : Jso
 
 }  // namespace
 
-std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples) {
+Json diagnosisObject(const Diagnosis& diagnosis, const std::vector<Sample>& samples) {
   Json findings = Json::array(), where = Json::array(), detectable = Json::array(), not_testable = Json::array(), bad = Json::array(),
        moves = Json::array(), possibilities = Json::array();
   for (const Finding& finding : diagnosis.findings) findings.push_back(findingJson(finding));
@@ -108,26 +106,29 @@ std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>&
   for (const AxisMove& move : diagnosis.axis_moves) {
     moves.push_back({{"joint", move.joint}, {"tilt_mrad", 1e3 * move.tilt}, {"shift_mm", 1e3 * move.shift}});
   }
-  const Json json{{"format", "poecal-diagnosis/1"},
-                  {"verdict", diagnosis.findings.empty() ? "none" : "effects"},
-                  {"search", {{"explanations", diagnosis.answers}, {"log_odds_against_none", diagnosis.log_odds}}},
-                  {"noise", noiseJson(diagnosis)},
-                  {"gap", gapJson(diagnosis)},
-                  {"findings", findings},
-                  {"possibilities", possibilities},
-                  {"row_order", {{"stands_in_for_stamp", diagnosis.row_order.stamp}, {"dir_guessed", diagnosis.row_order.dir}}},
-                  {"where", where},
-                  {"remaining",
-                   {{"excess" + std::string(diagnosis.pixels ? "_px" : "_mm"), (diagnosis.pixels ? 1.0 : 1e3) * diagnosis.after_excess},
-                    {"significant", diagnosis.remaining_significant},
-                    {"p_value", diagnosis.remaining_p_value},
-                    {"location", orNull(diagnosis.remaining_location)},
-                    {"driver", orNull(diagnosis.remaining_driver)}}},
-                  {"bad_samples", bad},
-                  {"axis_moves", moves},
-                  {"detectable", detectable},
-                  {"not_testable", not_testable}};
-  return json.dump(2) + "\n";
+  return {{"format", "poecal-diagnosis/1"},
+          {"verdict", diagnosis.findings.empty() ? "none" : "effects"},
+          {"search", {{"explanations", diagnosis.answers}, {"log_odds_against_none", diagnosis.log_odds}}},
+          {"noise", noiseJson(diagnosis)},
+          {"gap", gapJson(diagnosis)},
+          {"findings", findings},
+          {"possibilities", possibilities},
+          {"row_order", {{"stands_in_for_stamp", diagnosis.row_order.stamp}, {"dir_guessed", diagnosis.row_order.dir}}},
+          {"where", where},
+          {"remaining",
+           {{"excess" + std::string(diagnosis.pixels ? "_px" : "_mm"), (diagnosis.pixels ? 1.0 : 1e3) * diagnosis.after_excess},
+            {"significant", diagnosis.remaining_significant},
+            {"p_value", diagnosis.remaining_p_value},
+            {"location", orNull(diagnosis.remaining_location)},
+            {"driver", orNull(diagnosis.remaining_driver)}}},
+          {"bad_samples", bad},
+          {"axis_moves", moves},
+          {"detectable", detectable},
+          {"not_testable", not_testable}};
+}
+
+std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples) {
+  return diagnosisObject(diagnosis, samples).dump(2) + "\n";
 }
 
 }  // namespace poecal

@@ -1,7 +1,6 @@
 #include "diagnosis/ladder.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 #include "diagnosis/refit.hpp"
@@ -31,6 +30,7 @@ Ladder::Ladder(const Selection& selection, const MeasuredCell& all, const Identi
     : selection_(selection), all_(all), identification_(identification) {
   const std::set<std::size_t> bad(selection.bad.begin(), selection.bad.end());
   for (std::size_t k = 0; k < all.observations.size(); ++k) {
+    every_.push_back(k);
     if (!bad.contains(k)) kept_.push_back(k);
   }
   folds_[HeldOut::kRandom] = identificationFolds();
@@ -87,8 +87,6 @@ template <typename Fit>
 Rung Ladder::judged(const std::string& stage, HeldOut kind, Fit fit) const {
   const Groups& groups = selection_.measured.groups;
   const Folds& folds = folds_.at(kind);
-  std::vector<std::size_t> every(all_.observations.size());
-  std::iota(every.begin(), every.end(), 0);
   ErrorCollector errors(identification_.corner_noise);
   for (std::size_t f = 0; f < folds.size(); ++f) {
     Groups train, test;
@@ -106,9 +104,10 @@ Rung Ladder::judged(const std::string& stage, HeldOut kind, Fit fit) const {
     for (const std::size_t k : identification_.folds[f]) {
       if (!std::binary_search(kept_.begin(), kept_.end(), k)) set_aside.push_back({k});
     }
-    if (!set_aside.empty()) addErrors(all_, linearise(all_, model.state, model.accepted, {}, set_aside), every, errors);
+    if (!set_aside.empty()) addErrors(all_, linearise(all_, model.state, model.accepted, {}, set_aside), every_, errors);
   }
-  return rungOf(stage, errors.rows(), errors.summary());
+  // Blocks are read pose by pose alone.
+  return rungOf(stage, errors.rows(), kind == HeldOut::kRandom ? errors.summary() : ErrorSummary{});
 }
 
 std::vector<Rung> Ladder::geometricRungs() const {

@@ -48,7 +48,8 @@ class Ladder {
   const Selection& selection_;
   const MeasuredCell& all_;
   const Identification& identification_;
-  std::vector<std::size_t> kept_;  ///< numbers of the selection's observations among all
+  std::vector<std::size_t> every_;  ///< numbers of all observations
+  std::vector<std::size_t> kept_;   ///< numbers of the selection's observations among all
   std::map<HeldOut, Folds> folds_;
 };
 

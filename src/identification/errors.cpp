@@ -128,13 +128,18 @@ void ErrorCollector::add(const Cell& cell, std::size_t index, const Observation&
   const Eigen::Isometry3d T_camera_target = modelTarget(cell, observation);
   SampleRows rows;
   evaluateRows(cell, observation, T_camera_target, false, rows);
-  add(cell, index, observation, T_camera_target, rows.r);
+  addRow(cell, index, observation, T_camera_target, rows, rows.r);
 }
 
 void ErrorCollector::add(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target,
                          const Eigen::VectorXd& r) {
   SampleRows rows;
   evaluateRows(cell, observation, T_camera_target, false, rows);
+  addRow(cell, index, observation, T_camera_target, rows, r);
+}
+
+void ErrorCollector::addRow(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target,
+                            const SampleRows& rows, const Eigen::VectorXd& r) {
   RowErrors row;
   row.index = index;
   row.whitened_squares = r.squaredNorm();

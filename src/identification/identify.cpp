@@ -12,6 +12,7 @@
 #include "poecal/core/error.hpp"
 #include "poecal/core/parallel.hpp"
 #include "poecal/core/statistics.hpp"
+#include "registration/consensus.hpp"
 
 namespace poecal {
 namespace {
@@ -180,11 +181,7 @@ class Identifier {
     if (options_.registered) return start;
     std::vector<Observation> some;
     for (const std::size_t k : subset) some.push_back(observations_[k]);
-    AdjustmentOptions options;
-    options.free.near = true;
-    options.free.far = true;
-    options.robust = options_.robust;
-    return adjust(start, some, options).cell;
+    return adjust(start, some, registrationAdjustment(options_.robust)).cell;
   }
 
   /// The fold registrations, which do not depend on the camera's choice.

@@ -89,10 +89,14 @@ Eigen::Isometry3d nearFar(const Cell& cell, const Observation& observation) {
   return cell.registration.setup == Setup::kEyeToHand ? T_base_flange : T_base_flange.inverse();
 }
 
-double cornerRms(const Cell& cell, const Observation& observation) {
+double cornerRms(const Cell& cell, std::span<const Observation> observations) {
   double sum = 0.0;
-  for (const UnitResidual& unit : residuals(cell, observation)) sum += unit.residual.squaredNorm();
-  const double rms = std::sqrt(sum / std::max(1, observation.unitCount()));
+  int units = 0;
+  for (const Observation& observation : observations) {
+    for (const UnitResidual& unit : residuals(cell, observation)) sum += unit.residual.squaredNorm();
+    units += observation.unitCount();
+  }
+  const double rms = std::sqrt(sum / std::max(1, units));
   return std::isnan(rms) ? kInfinity : rms;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "poecal/cell/adjustment.hpp"
@@ -14,8 +15,9 @@ namespace poecal {
 /// T_near_far of an observation: the flange as the cell models it, seen from the camera's side.
 Eigen::Isometry3d nearFar(const Cell& cell, const Observation& observation);
 
-/// sqrt(sum |r|^2 / N) over the corners of a picture [px]; infinity where one cannot be projected.
-double cornerRms(const Cell& cell, const Observation& observation);
+/// sqrt(sum |r|^2 / N) over the corners of pictures [px]; infinity where one cannot be projected.
+double cornerRms(const Cell& cell, std::span<const Observation> observations);
+inline double cornerRms(const Cell& cell, const Observation& picture) { return cornerRms(cell, {&picture, 1}); }
 
 /// Every observation with its candidates of T_camera_target: the poses that its corners leave open, or the measured pose (none where only a
 /// position was measured).

@@ -41,7 +41,7 @@ LensFit fitLens(const Cell& registered, const Problem& few) {
   options.free.intrinsics = true;
   options.camera_prior_sigma = wideLens(*registered.camera);
   const Adjustment freed = adjust(held.cell, few.observations, options);
-  LensFit lens{*freed.cell.camera, rmsResidual(freed.cell, few.observations), rmsResidual(held.cell, few.observations)};
+  LensFit lens{*freed.cell.camera, cornerRms(freed.cell, few.observations), cornerRms(held.cell, few.observations)};
   const double unknowns = registered.camera->parameterCount();
   const double spare = 6.0 * static_cast<double>(few.observations.size()) - 12.0 - unknowns;
   if (spare > unknowns && freed.chi_square > 0.0) {

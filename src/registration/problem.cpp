@@ -79,15 +79,6 @@ void scaleTarget(Problem& problem, double factor) {
   }
 }
 
-double rmsResidual(const Cell& cell, const std::vector<Observation>& observations) {
-  double sum = 0.0, units = 0.0;
-  for (const Observation& observation : observations) {
-    for (const UnitResidual& unit : residuals(cell, observation)) sum += unit.residual.squaredNorm();
-    units += observation.unitCount();
-  }
-  return std::sqrt(sum / std::max(1.0, units));
-}
-
 Problem agreeing(const Problem& problem, const Registration& registration) {
   const Misfit misfit = misfitIn(problem.cell, problem.observations);
   const double limit = 4.0 * medianMisfit(registration, problem.samples, misfit) + 1e-9;

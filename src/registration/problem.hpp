@@ -26,9 +26,6 @@ void renewPictures(Problem& problem);
 /// The target (or the positions of an instrument's poses) at `factor` times its size.
 void scaleTarget(Problem& problem, double factor);
 
-/// sqrt(sum |r|^2 / N) over all units [px]; of poses, angles and ways together.
-double rmsResidual(const Cell& cell, const std::vector<Observation>& observations);
-
 /// Without the samples that a registration contradicts: those beyond four times the median misfit.
 Problem agreeing(const Problem& problem, const Registration& registration);
 

@@ -166,6 +166,7 @@ void findOpenAxis(const std::vector<Observation>& observations, RegistrationResu
   const Eigen::Vector3d in_camera = registration.T_camera_near.linear() * *axis;
   const Eigen::Vector3d in_far = poses.front().linear().transpose() * *axis;
   for (int k = 0; k < 3; ++k) {
+    result.open_near[static_cast<std::size_t>(k)] = std::abs((*axis)(k)) > kAlong;
     if (std::abs(in_camera(k)) > kAlong) result.open.push_back(3 + k);
     if (std::abs(in_far(k)) > kAlong) result.open.push_back(9 + k);
   }

@@ -28,7 +28,7 @@ class Profile {
     options.max_iterations = 40;
     const Adjustment fit = adjust(cell, scaled.observations, options);
     last_ = fit.cell.registration;
-    rms_ = rmsResidual(fit.cell, scaled.observations);
+    rms_ = cornerRms(fit.cell, scaled.observations);
     return fit.chi_square;
   }
   const Registration& registration() const { return last_; }

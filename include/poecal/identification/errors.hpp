@@ -12,6 +12,8 @@
 
 namespace poecal {
 
+struct SampleRows;
+
 /// Mean, median, root mean square, 95 % quantile and maximum of lengths.
 struct LengthSummary {
   double mean = 0.0, median = 0.0, rms = 0.0, p95 = 0.0, max = 0.0;
@@ -71,6 +73,9 @@ class ErrorCollector {
   const std::vector<RowErrors>& rows() const { return rows_; }
 
  private:
+  void addRow(const Cell& cell, std::size_t index, const Observation& observation, const Eigen::Isometry3d& T_camera_target,
+              const SampleRows& rows, const Eigen::VectorXd& r);
+
   double noise_;
   bool poses_ = false;     ///< of an instrument
   bool rotations_ = true;  ///< whether they have one

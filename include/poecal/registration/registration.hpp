@@ -1,6 +1,7 @@
 // Hand-eye and base registration from corners, and the flange poses that the camera measured.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,7 +48,8 @@ struct RegistrationResult {
   double corner_sigma_px = 0.0;  ///< the same per axis [px]: times the root mean square of the stated sigmas
   /// Direction in near along which the arm's motions leave both transforms open: the one axis of all turns.
   std::optional<Eigen::Vector3d> open_axis;
-  std::vector<int> open;  ///< numbers of `adjustment` that are open for it: their deviation is infinite
+  std::array<bool, 3> open_near{};  ///< which coordinates of the camera in near are open for it
+  std::vector<int> open;            ///< numbers of `adjustment` that are open for it: their deviation is infinite
   std::vector<std::string> warnings;
 };
 
