@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "diagnosis/thresholds.hpp"
 #include "effects/mass_layout.hpp"
 
 namespace poecal {
@@ -16,8 +17,6 @@ namespace {
 
 constexpr int kHighestOrder = 200;  // teeth of a gear: strain waves and planets stay below
 constexpr std::size_t kMostSlipTimes = 60;
-// Shares of the explanations: named ones against curves of unknown shape; see selection.
-constexpr double kNamedShare = 0.75, kCurveShare = 0.25;
 
 /// Times between samples that follow each other, with a few samples on either side.
 std::vector<double> slipTimes(const std::vector<Sample>& samples) {
@@ -44,7 +43,7 @@ std::vector<std::size_t> triedTimes(std::size_t count) {
 /// The parameter that is scanned; nothing where none is.
 std::optional<std::size_t> scannedParameter(const Effect& effect) {
   for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
-    if (effect.parameters()[i].role == ParameterRole::kScanned) return i;
+    if (isScanned(effect.parameters()[i].role)) return i;
   }
   return {};
 }
@@ -61,7 +60,7 @@ std::vector<std::pair<double, double>> harmonicOrders() {
 
 /// Values to try of an effect's scanned parameter, with their shares.
 std::vector<std::pair<double, double>> scanned(const EffectParameter& parameter, const std::vector<Sample>& samples) {
-  if (parameter.name == "order") return harmonicOrders();
+  if (parameter.role == ParameterRole::kOrder) return harmonicOrders();
   std::vector<std::pair<double, double>> values;
   const std::vector<double> times = slipTimes(samples);
   const std::vector<std::size_t> tried = triedTimes(times.size());
@@ -78,7 +77,7 @@ void addMassErrors(const Cell& cell, Candidate& candidate) {
   Cell weightless = cell;
   weightless.arm->links.clear();
   candidate.mass_errors =
-      makeEffect({.effect = effect.name(), .location = effect.location(), .driver = effect.driver()}, weightless).effect;
+      makeEffect({.effect = effect.name(), .location = effect.location(), .driver = effect.driver().name()}, weightless).effect;
   const MassLayout layout(effect.index(), cell.arm->links.size());
   const Eigen::Index own = candidate.typical.size();
   candidate.typical.conservativeResize(own + static_cast<Eigen::Index>(candidate.mass_errors->parameters().size()));
@@ -100,16 +99,16 @@ void addNamed(const CaptureContext& capture, const Effect& effect, double share,
   Candidate candidate;
   candidate.effect = effect;
   candidate.name = effect.name();
-  candidate.location = effect.location();
+  candidate.place = effect.place();
   candidate.driver = effect.driver();
   candidate.parameters = effect.start();
   std::vector<double> typical;
   for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
     const EffectParameter& parameter = effect.parameters()[i];
     // Another capture begins elsewhere: what was found here keeps this one's reference.
-    if (parameter.name == "reference") {
+    if (parameter.role == ParameterRole::kReference) {
       candidate.parameters(static_cast<Eigen::Index>(i)) =
-          effect.driver() == "temperature" ? capture.first_temperature : capture.first_stamp;
+          effect.driver().kind() == DriverKind::kTemperature ? capture.first_temperature : capture.first_stamp;
     }
     if (parameter.role != ParameterRole::kLinear) continue;
     candidate.linear.push_back(static_cast<Eigen::Index>(i));
@@ -144,9 +143,9 @@ Eigen::VectorXd smooth(int waves_count, double typical, double bend) {
                                       [=](Eigen::Index j) { return typical / (1.0 + std::pow(static_cast<double>(j + 1) / bend, 2)); });
 }
 
-/// The drivers that a curve may follow, with the number of waves that the samples resolve.
-struct Driver {
-  std::string name;
+/// A driver that a curve may follow, with its values and the number of waves that the samples resolve.
+struct FollowedDriver {
+  Driver driver;
   Eigen::VectorXd value;
   int waves = 0;
   double bend = 4.0;  ///< waves a range beyond which they are smaller
@@ -165,9 +164,9 @@ class Curves {
 
   std::vector<Candidate> all() {
     if (measured_.start.arm) addJoints();
-    for (const Driver& driver : common_) {
-      add(PlaceKind::kCameraMount, 0, driver);
-      add(PlaceKind::kTargetMount, 0, driver);
+    for (const FollowedDriver& driver : common_) {
+      add({PlaceKind::kCameraMount}, driver);
+      add({PlaceKind::kTargetMount}, driver);
     }
     if (measured_.start.camera) addLens();
     return std::move(candidates_);
@@ -177,9 +176,9 @@ class Curves {
   static constexpr int kJointWaves = 14, kStampWaves = 14, kSwayWaves = 32, kFewWaves = 5, kOtherJointWaves = 6, kTorqueWaves = 8,
                        kLensOrders = 6, kFineWaves = 40;
 
-  Driver driver(const std::string& name, int count) const {
-    Driver made{name, Eigen::VectorXd(static_cast<Eigen::Index>(contexts_.size())), count};
-    for (std::size_t k = 0; k < contexts_.size(); ++k) made.value(static_cast<Eigen::Index>(k)) = driverValue(name, contexts_[k]);
+  FollowedDriver driver(const std::string& name, int count) const {
+    FollowedDriver made{Driver(name), Eigen::VectorXd(static_cast<Eigen::Index>(contexts_.size())), count};
+    for (std::size_t k = 0; k < contexts_.size(); ++k) made.value(static_cast<Eigen::Index>(k)) = driverValue(made.driver, contexts_[k]);
     return made;
   }
 
@@ -188,41 +187,41 @@ class Curves {
     for (std::size_t k = 0; k < joints; ++k) {
       for (std::size_t j = 0; j < joints; ++j) {
         const std::string reading = fmt::format("q{}", j + 1);
-        add(PlaceKind::kJoint, k, driver(reading, j == k ? kJointWaves : kOtherJointWaves));
+        add({PlaceKind::kJoint, k}, driver(reading, j == k ? kJointWaves : kOtherJointWaves));
         if (j != k) continue;
         // Teeth, steps and saws, which a few smooth waves do not follow.
-        Driver fine = driver(reading, kFineWaves);
+        FollowedDriver fine = driver(reading, kFineWaves);
         fine.bend = kFineWaves;
-        add(PlaceKind::kJoint, k, fine);
+        add({PlaceKind::kJoint, k}, fine);
       }
-      add(PlaceKind::kJoint, k, driver(fmt::format("tau{}", k + 1), kTorqueWaves));
-      for (const Driver& each : common_) add(PlaceKind::kJoint, k, each);
+      add({PlaceKind::kJoint, k}, driver(fmt::format("tau{}", k + 1), kTorqueWaves));
+      for (const FollowedDriver& each : common_) add({PlaceKind::kJoint, k}, each);
     }
   }
 
   void addLens() {
     Candidate candidate;
-    candidate.curve = Curve{.place = PlaceKind::kCameraLens, .index = 0, .range = {}, .waves = 0, .orders = kLensOrders};
-    candidate.location = placeName(PlaceKind::kCameraLens);
-    candidate.driver = "pixel";
+    candidate.curve = Curve{.place = {PlaceKind::kCameraLens}, .range = {}, .waves = 0, .orders = kLensOrders};
+    candidate.place = candidate.curve->place;
+    candidate.driver = Driver("pixel");
     std::vector<double> typical;
     for (const auto& [i, j] : pixelOrders(kLensOrders)) typical.insert(typical.end(), 2, 0.3 / (1.0 + std::pow((i + j) / 3.0, 2)));
     candidate.typical = Eigen::Map<Eigen::VectorXd>(typical.data(), static_cast<Eigen::Index>(typical.size()));
     push(std::move(candidate));
   }
 
-  void add(PlaceKind place, std::size_t index, const Driver& driver) {
+  void add(const Place& place, const FollowedDriver& driver) {
     constexpr double kTypicalRadian = 2e-4, kTypicalMetre = 2e-4;
     const std::optional<CurveRange> range = rangeOf(driver.value);
     // A curve that is not smooth anyway may be as fine as poses carry it, were they evenly spread.
     const int carried = static_cast<int>(contexts_.size()) / (driver.bend < driver.waves ? 5 : 2);
     const int count = std::min(driver.waves, carried);
     if (!range || count == 0) return;
-    const bool joint = place == PlaceKind::kJoint;
+    const bool joint = place.kind == PlaceKind::kJoint;
     Candidate candidate;
-    candidate.curve = Curve{.place = place, .index = index, .range = *range, .waves = count, .orders = 0};
-    candidate.location = joint ? fmt::format("{}:{}", placeName(place), index + 1) : placeName(place);
-    candidate.driver = driver.name;
+    candidate.curve = Curve{.place = place, .range = *range, .waves = count, .orders = 0};
+    candidate.place = place;
+    candidate.driver = driver.driver;
     if (joint) {
       candidate.typical = smooth(count, kTypicalRadian, driver.bend);
     } else {
@@ -235,13 +234,13 @@ class Curves {
   }
 
   void push(Candidate candidate) {
-    candidate.name = "unknown";
+    candidate.name = kUnknownEffect;
     candidates_.push_back(std::move(candidate));
   }
 
   const MeasuredCell& measured_;
   const std::vector<SampleContext>& contexts_;
-  std::vector<Driver> common_;
+  std::vector<FollowedDriver> common_;
   std::vector<Candidate> candidates_;
 };
 
@@ -311,7 +310,7 @@ void lensAction(const Curve& curve, const ObservationRows& part, Eigen::Ref<Eige
 
 void curveAction(const Candidate& candidate, const ObservationRows& part, Eigen::Ref<Eigen::MatrixXd> action) {
   const Curve& curve = *candidate.curve;
-  if (curve.place == PlaceKind::kCameraLens) {
+  if (curve.place.kind == PlaceKind::kCameraLens) {
     lensAction(curve, part, action);
     return;
   }
@@ -323,11 +322,11 @@ void curveAction(const Candidate& candidate, const ObservationRows& part, Eigen:
     return;
   }
   const Eigen::RowVectorXd waves = curve.range.waves(driverValue(candidate.driver, part.context), curve.waves);
-  if (curve.place == PlaceKind::kJoint) {
+  if (curve.place.kind == PlaceKind::kJoint) {
     action = waves;
     return;
   }
-  const Matrix6d& port = curve.place == PlaceKind::kCameraMount ? part.ports.mount : part.ports.grip;
+  const Matrix6d& port = curve.place.kind == PlaceKind::kCameraMount ? part.ports.mount : part.ports.grip;
   for (Eigen::Index axis = 0; axis < port.cols(); ++axis) action.middleCols(axis * waves.cols(), waves.cols()) = port.col(axis) * waves;
 }
 
@@ -349,12 +348,12 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
   }
   for (const Effect& effect : named.effects) {
     if (isRandom(effect)) continue;
-    addNamed(*capture, effect, kNamedShare / static_cast<double>(kinds.size()) / instances[effect.name()], measured.samples,
+    addNamed(*capture, effect, kSearch.named_share / static_cast<double>(kinds.size()) / instances[effect.name()], measured.samples,
              list.candidates);
   }
   std::vector<Candidate> curves = Curves(measured, contexts).all();
   for (Candidate& curve : curves) {
-    curve.log_prior = std::log(kCurveShare / static_cast<double>(curves.size()));
+    curve.log_prior = std::log(kSearch.curve_share / static_cast<double>(curves.size()));
     list.candidates.push_back(std::move(curve));
   }
   return list;
@@ -362,7 +361,7 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
 
 std::optional<Eigen::Index> Candidate::slipTime() const {
   const std::optional<std::size_t> scan = known() ? scannedParameter(*effect) : std::nullopt;
-  if (!scan || effect->parameters()[*scan].name != "time") return {};
+  if (!scan || effect->parameters()[*scan].role != ParameterRole::kTime) return {};
   return static_cast<Eigen::Index>(*scan);
 }
 
@@ -402,8 +401,8 @@ Entry Candidate::entry() const {
     const Reach reach = effect->kind().reach;
     return {reach, reach == Reach::kJoint ? effect->index() : 0};
   }
-  if (curve->place == PlaceKind::kJoint) return {Reach::kJoint, curve->index};
-  return {curve->place == PlaceKind::kCameraLens ? Reach::kPicture : Reach::kPose, 0};
+  if (curve->place.kind == PlaceKind::kJoint) return {Reach::kJoint, curve->place.index};
+  return {curve->place.kind == PlaceKind::kCameraLens ? Reach::kPicture : Reach::kPose, 0};
 }
 
 Eigen::MatrixXd entryColumns(const Entry& entry, const ObservationRows& part) {

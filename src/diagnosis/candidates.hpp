@@ -17,12 +17,11 @@ namespace poecal {
 
 /// A smooth function of a driver at a place, as a sum of waves of the driver: "unknown, there, driven by that".
 struct Curve {
-  PlaceKind place = PlaceKind::kJoint;  ///< joint, camera.mount, target.mount or camera.lens
-  std::size_t index = 0;                ///< of the joint
-  CurveRange range;                     ///< of the driver in the capture; not for the lens, whose waves are of the pixel
-  Eigen::Index waves = 0;               ///< how many
-  int orders = 0;                       ///< lens only: waves along u and v in all
-  std::vector<AngleWave> terms = {};    ///< joint only: waves of several angles, in place of those of one driver; ascending
+  Place place;                        ///< a joint, camera.mount, target.mount or camera.lens
+  CurveRange range;                   ///< of the driver in the capture; not for the lens, whose waves are of the pixel
+  Eigen::Index waves = 0;             ///< how many
+  int orders = 0;                     ///< lens only: waves along u and v in all
+  std::vector<AngleWave> terms = {};  ///< joint only: waves of several angles, in place of those of one driver; ascending
 };
 
 /// Where a candidate enters the cell. Its action there is what each of its columns does, in an observation: one number where it turns a
@@ -35,8 +34,8 @@ struct Entry {
 };
 
 /// "joint_slip@joint:2/stamp".
-inline std::string answerName(const std::string& name, const std::string& location, const std::string& driver) {
-  return name + "@" + location + "/" + driver;
+inline std::string answerName(const std::string& name, const Place& place, const Driver& driver) {
+  return name + "@" + place.name() + "/" + driver.name();
 }
 
 /// One explanation. Its columns are the derivatives of the rows by its linear parameters.
@@ -44,7 +43,8 @@ struct Candidate {
   std::optional<Effect> effect;  ///< a named one, or
   std::optional<Curve> curve;    ///< an unknown one
   std::string name;              ///< of the effect, "unknown" for curves
-  std::string location, driver;
+  Place place;
+  Driver driver;
   Eigen::VectorXd parameters;        ///< effect: scanned and fixed ones set, linear ones 0
   std::vector<Eigen::Index> linear;  ///< effect: which parameters are the first columns
   /// The same effect by unknown masses: what wrongly stated ones leave out, as further columns beside those of the effect.
@@ -67,7 +67,7 @@ struct Candidate {
   Eigen::VectorXd spread(double scale, const Eigen::VectorXd& found) const;
   Entry entry() const;
   /// What is one answer, whatever its scanned parameters.
-  std::string answer() const { return answerName(name, location, driver); }
+  std::string answer() const { return answerName(name, place, driver); }
 };
 
 struct CandidateList {

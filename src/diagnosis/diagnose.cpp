@@ -11,6 +11,7 @@
 #include "diagnosis/ladder.hpp"
 #include "diagnosis/selection.hpp"
 #include "diagnosis/telling.hpp"
+#include "diagnosis/thresholds.hpp"
 #include "identification/fit.hpp"
 #include "poecal/core/error.hpp"
 
@@ -52,7 +53,7 @@ MeasuredCell measuredCell(const Identification& identification, const Measuremen
 /// Observations that a robust fit left out by far: so wild that they would spoil the noise of all others, whatever else there is.
 std::vector<std::size_t> grosslyWild(const Identification& identification, const MeasuredCell& measured) {
   // Mean square in units of the fit's noise: twelve standard deviations, farther than an effect throws single poses.
-  constexpr double kGross = 150.0;
+  const double gross = kSearch.wild_at_once.mean_square;
   const double scale = std::max(identification.adjustment.scale, 1e-12);
   std::vector<std::size_t> wild;
   for (std::size_t k = 0; k < measured.observations.size(); ++k) {
@@ -64,7 +65,7 @@ std::vector<std::size_t> grosslyWild(const Identification& identification, const
       squares += unit.squared_norm;
       numbers += static_cast<double>(unit.residual.size());
     }
-    if (squares > kGross * scale * scale * numbers) wild.push_back(k);
+    if (squares > gross * scale * scale * numbers) wild.push_back(k);
   }
   return wild;
 }
@@ -81,7 +82,7 @@ ModelState identifiedState(const Identification& identification, const MeasuredC
 
 std::string rungName(const Selection& selection, const std::string& identified, const std::vector<std::size_t>& findings) {
   std::string name = identified;
-  for (const std::size_t i : findings) name += fmt::format(" + {}@{}", selection.findings[i].name, selection.findings[i].location);
+  for (const std::size_t i : findings) name += fmt::format(" + {}@{}", selection.findings[i].name, selection.findings[i].place.name());
   return name;
 }
 
@@ -127,7 +128,6 @@ std::vector<bool> climb(const Selection& selection, const MeasuredCell& measured
   const MeasurementNoise noise = measurementNoise(selection.measured, selection.linear, identification.sigmas_stated);
   const Gap gap(selection, noise, rungs, options.seed);
   diagnosis.noise_source = noise.source;
-  diagnosis.noise_known = noise.known;
   tellGap(gap, rungs, diagnosis);
   if (!taken.empty()) diagnosis.shrinkage = gap.shrinkage(rungs[kIdentified], rungs.back(), blockRungs(ladder, taken));
   std::vector<bool> serves;
@@ -179,7 +179,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
     std::size_t useless = 0;
     for (; useless < diagnosis.findings.size(); ++useless) {
       const std::string& effect = diagnosis.findings[useless].effect;
-      const bool judged = effect == "unknown" || !limits.curves || isSmall(measured);
+      const bool judged = effect == kUnknownEffect || !limits.curves || isSmall(measured);
       if (!selection.findings[useless].scatter && judged && !serves[useless]) break;
     }
     if (useless == diagnosis.findings.size()) {
@@ -193,7 +193,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       diagnosis.possibilities = std::move(possibilities);
       return diagnosis;
     }
-    if (diagnosis.findings[useless].effect != "unknown" && isSmall(measured)) {
+    if (diagnosis.findings[useless].effect != kUnknownEffect && isSmall(measured)) {
       possibilities.push_back(diagnosis.findings[useless]);
       limits.most = useless;
       continue;

@@ -33,7 +33,7 @@ Json gapJson(const Diagnosis& diagnosis) {
           {"before_excess" + suffix, unit * diagnosis.before_excess},
           {"after_excess" + suffix, unit * diagnosis.after_excess},
           {"after_excess_ci95" + suffix, scaled(diagnosis.after_interval, unit)},
-          {"noise_rms" + suffix, diagnosis.noise_known ? Json(unit * diagnosis.noise_rms) : Json(nullptr)},
+          {"noise_rms" + suffix, diagnosis.noiseKnown() ? Json(unit * diagnosis.noise_rms) : Json(nullptr)},
           {"noise_rms_bounds" + suffix, scaled(diagnosis.noise_bounds, unit)},
           {"shrinkage", diagnosis.shrinkage.value},
           {"shrinkage_ci95", interval(diagnosis.shrinkage.interval)},
@@ -44,11 +44,13 @@ Json noiseJson(const Diagnosis& diagnosis) {
   Json json;
   if (diagnosis.pixels) {
     json = {{"pixel_sigma", diagnosis.noise_sigma},
-            {"source", diagnosis.noise_source},
+            {"source", noiseSourceName(diagnosis.noise_source)},
             {"tag_sigma_px", diagnosis.tag_sigma},
             {"joint_repeatability", diagnosis.repeatability}};
   } else {
-    json = {{"position_sigma", diagnosis.noise_sigma}, {"rotation_sigma", diagnosis.rotation_sigma}, {"source", diagnosis.noise_source}};
+    json = {{"position_sigma", diagnosis.noise_sigma},
+            {"rotation_sigma", diagnosis.rotation_sigma},
+            {"source", noiseSourceName(diagnosis.noise_source)}};
   }
   json["arm_beyond_tolerance"] = diagnosis.arm_beyond_tolerance;
   return json;

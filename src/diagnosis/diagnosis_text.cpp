@@ -23,14 +23,14 @@ std::string sureness(double probability) {
 }
 
 std::string meaning(const std::string& effect) {
-  if (effect == "unknown") return "structure that no listed effect explains";
+  if (effect == kUnknownEffect) return "structure that no listed effect explains";
   return effectKind(effect).meaning;
 }
 
 /// What the measuring itself is off by, or between what it lies.
 std::string noise(const Diagnosis& diagnosis) {
-  if (!diagnosis.noise_known) {
-    return fmt::format("noise {}: at most {}, of which none is subtracted", diagnosis.noise_source,
+  if (!diagnosis.noiseKnown()) {
+    return fmt::format("noise {}: at most {}, of which none is subtracted", noiseSourceName(diagnosis.noise_source),
                        size(diagnosis, diagnosis.noise_bounds.second));
   }
   return "noise " + size(diagnosis, diagnosis.noise_rms);
@@ -42,7 +42,7 @@ std::string remains(const Diagnosis& diagnosis) {
                                  size(diagnosis, diagnosis.after_interval.first), size(diagnosis, diagnosis.after_interval.second));
   if (!diagnosis.findings.empty()) text += fmt::format(", of {} without the findings", size(diagnosis, diagnosis.before_excess));
   text += '\n';
-  if (!diagnosis.noise_known) {
+  if (!diagnosis.noiseKnown()) {
     text +=
         "    noise, what the arm comes back by and structure finer than the poses look alike in it: poses measured again tell them apart\n";
   }

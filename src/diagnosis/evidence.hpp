@@ -65,8 +65,6 @@ struct Evidence {
 /// Size in units of the typical of what is found four times in five, which takes an expected chi-square of 36 in a search over some hundred
 /// answers. @param information  see Evidence. @return infinity where there is none.
 double smallestSeen(double information);
-/// An effect that would have to be so many times its usual size to be seen is none that the rows can test.
-constexpr double kAbsurdSize = 20.0;
 
 /// Evidence of a candidate, from what all else leaves of its columns' information S and score u.
 Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Candidate& candidate);

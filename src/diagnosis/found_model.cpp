@@ -22,8 +22,8 @@ AppliedEffect withDeviations(AppliedEffect applied, const Eigen::VectorXd& devia
 /// What no listed effect explains, as the model holds it.
 AppliedEffect curveOf(const Accepted& one, const Cell& cell) {
   const Candidate& candidate = one.candidate;
-  if (!candidate.curve->terms.empty()) return makeAngleWaves(candidate.location, candidate.curve->terms, one.factors, cell);
-  return makeCurve(candidate.location, candidate.driver, candidate.curve->range, one.factors, cell);
+  if (!candidate.curve->terms.empty()) return makeAngleWaves(candidate.place.index, candidate.curve->terms, one.factors, cell);
+  return makeCurve(candidate.place, candidate.driver, candidate.curve->range, one.factors, cell);
 }
 
 /// What was found as the model holds it: named effects and what their stated masses leave out, curves, and joints that move at random.
@@ -40,8 +40,9 @@ std::vector<AppliedEffect> appliedEffects(const Selection& selection, const std:
   }
   for (const FoundEffect& found : selection.findings) {
     if (!found.scatter) continue;
-    effects.push_back(makeEffect(
-        {.effect = found.name, .location = found.location, .parameters = {{"sigma", scatterSigma(selection, found)}}}, state.cell.cell));
+    effects.push_back(
+        makeEffect({.effect = found.name, .location = found.place.name(), .parameters = {{"sigma", scatterSigma(selection, found)}}},
+                   state.cell.cell));
   }
   return effects;
 }

@@ -122,8 +122,7 @@ double meanSquare(const Rung& rung) {
 }
 
 bool hasAnyShape(const Selection& selection) {
-  return std::any_of(selection.findings.begin(), selection.findings.end(),
-                     [](const FoundEffect& found) { return found.name == "unknown"; });
+  return std::any_of(selection.findings.begin(), selection.findings.end(), [](const FoundEffect& found) { return found.isUnknown(); });
 }
 
 /// How far what is measured is from what was expected counts as more than chance: 0 for less than one standard deviation of it, nearly 1

@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "diagnosis/thresholds.hpp"
 #include "diagnosis/wave_folds.hpp"
 #include "poecal/core/parallel.hpp"
 
@@ -17,10 +18,6 @@ namespace {
 
 constexpr std::size_t kChunkWaves = 64;  // multiplied at a time
 constexpr double kHopeless = -1e300;
-// Prior share of waves at all joints, beside those of candidates.cpp: with the curves 0.30 for what nobody listed against 0.75 for what has
-// a name.
-constexpr double kWaveShare = 0.05;
-constexpr double kNamedBeside = 0.01;  // of a wave that has a name, which stands for it
 
 using Entry = WaveDictionary::Entry;
 
@@ -299,9 +296,9 @@ bool hasAName(std::size_t joint, const std::vector<Entry>& waves) {
 Candidate candidateOf(std::size_t joint, const std::vector<Entry>& waves, double log_share, const Candidate* before) {
   std::map<AngleWave, double> typical;
   Candidate candidate;
-  candidate.name = "unknown";
-  candidate.location = fmt::format("{}:{}", placeName(PlaceKind::kJoint), joint + 1);
-  candidate.curve = Curve{.place = PlaceKind::kJoint, .index = joint, .range = {}, .waves = 0, .orders = 0, .terms = {}};
+  candidate.name = kUnknownEffect;
+  candidate.place = {PlaceKind::kJoint, joint};
+  candidate.curve = Curve{.place = candidate.place, .range = {}, .waves = 0, .orders = 0, .terms = {}};
   candidate.log_prior = log_share;
   if (before != nullptr) {
     candidate.log_prior = before->log_prior;
@@ -320,7 +317,7 @@ Candidate candidateOf(std::size_t joint, const std::vector<Entry>& waves, double
     candidate.typical.segment<2>(next).setConstant(sigma);
     next += 2;
   }
-  candidate.driver = driversOf(candidate.curve->terms);
+  candidate.driver = Driver(driversOf(candidate.curve->terms));
   return candidate;
 }
 
@@ -357,7 +354,6 @@ double sizeOf(const AngleWave& wave) {
 WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& samples) {
   constexpr double kStill = 0.05;                    // [rad]
   constexpr double kTypical = 2e-4, kFine = 4.0;     // [rad], and |n| at which waves are half as large
-  constexpr double kWholeShare = 0.75;               // of all waves at a joint; the rest are orders of its own angle
   constexpr double kLowest = 4.5, kHighest = 200.0;  // of those: lower ones are among the whole waves nearly
   constexpr double kSpacing = 1.6;                   // [rad] of phase over the joint's range from one order to the next
   std::vector<double> range(arm.joints.size(), 0.0);
@@ -377,7 +373,7 @@ WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& sample
     common_.push_back({std::move(wave), std::pow(size, -2), kTypical / (1.0 + size / kFine)});
     total += common_.back().log_share;
   }
-  for (Entry& entry : common_) entry.log_share = std::log(kWholeShare * entry.log_share / total);
+  for (Entry& entry : common_) entry.log_share = std::log(kSearch.whole_factors * entry.log_share / total);
   own_.resize(arm.joints.size());
   for (const std::size_t k : turning) {
     const double step = kSpacing / std::min(range[k], 2.0 * M_PI);
@@ -385,7 +381,7 @@ WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& sample
       const double order = std::round(1000.0 * (kLowest + i * step)) / 1000.0;
       own_[k].push_back({{{k, order}}, 0.0, kTypical / (1.0 + 1.0 / kFine)});
     }
-    for (Entry& entry : own_[k]) entry.log_share = std::log((1.0 - kWholeShare) / static_cast<double>(own_[k].size()));
+    for (Entry& entry : own_[k]) entry.log_share = std::log((1.0 - kSearch.whole_factors) / static_cast<double>(own_[k].size()));
   }
 }
 
@@ -402,7 +398,7 @@ std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linear
     const auto path = search.path(k, most);
     if (path.waves.empty()) continue;
     // What has a name is told by it, unless more of the same kind is left beside it.
-    const double share = hasAName(k, path.waves) ? kNamedBeside * kWaveShare : kWaveShare;
+    const double share = hasAName(k, path.waves) ? kSearch.named_wave * kSearch.wave_share : kSearch.wave_share;
     candidates.push_back(candidateOf(k, path.waves, std::log(share / static_cast<double>(search.joints())), nullptr));
   }
   return candidates;
@@ -412,9 +408,9 @@ std::optional<Candidate> moreWaves(const MeasuredCell& measured, const Linearise
                                    const Candidate& waves) {
   const std::size_t most = mostWaves(linear.rows.groups.size()), have = waves.curve->terms.size();
   if (have >= most) return {};
-  const auto path = WaveSearch(measured, linear, dictionary).path(waves.curve->index, most - have);
+  const auto path = WaveSearch(measured, linear, dictionary).path(waves.curve->place.index, most - have);
   if (path.waves.empty()) return {};
-  return candidateOf(waves.curve->index, path.waves, 0.0, &waves);
+  return candidateOf(waves.curve->place.index, path.waves, 0.0, &waves);
 }
 
 }  // namespace poecal

@@ -51,7 +51,7 @@ Folds Ladder::identificationFolds() const {
 
 std::vector<HeldOut> Ladder::blocks() const {
   const bool in_time = std::any_of(selection_.findings.begin(), selection_.findings.end(), [](const FoundEffect& found) {
-    return found.driver == "stamp" || (found.accepted && found.accepted->candidate.slipTime());
+    return found.driver.kind() == DriverKind::kStamp || (found.accepted && found.accepted->candidate.slipTime());
   });
   if (in_time) return {HeldOut::kPosture};
   return {HeldOut::kTime, HeldOut::kPosture};

@@ -137,7 +137,7 @@ void shareScatter(const Selection& selection, std::size_t joint, const RowOrder&
     const std::optional<double> among = varianceAmongRepeats(errors);
     if (among) finer = *among > 0.5 * variance ? 0.0 : kSame * std::exp(std::min(5.0, variance / std::max(*among, 0.01 * variance)));
   }
-  sharing.add("unknown", finding.location, allJoints(selection), finer);
+  sharing.add(kUnknownEffect, finding.location, allJoints(selection), finer);
   std::string way = kTakeAgain;
   double half_gap = 0.0;
   if (row_order.dir) {

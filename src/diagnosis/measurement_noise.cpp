@@ -68,7 +68,7 @@ bool hasRepeats(const MeasuredCell& measured) {
 MeasurementNoise ofCorners(const MeasuredCell& measured, const Linearised& linear) {
   const double corner = shareOf(linear, "corner"), tag = shareOf(linear, "tag");
   MeasurementNoise noise;
-  noise.source = hasRepeats(measured) ? "repeats" : "estimated";
+  noise.source = hasRepeats(measured) ? NoiseSource::kRepeats : NoiseSource::kEstimated;
   const double numbers = linear.rows.size();
   noise.least = corner;
   noise.most = corner + tag + shareOf(linear, "repeatability");
@@ -117,16 +117,15 @@ MeasurementNoise ofPoses(const Linearised& linear, bool stated) {
   noise.chance = std::sqrt(2.0 / std::max(1.0, numbers));
   noise.most = components + shareOf(linear, "repeatability");
   if (repeats.numbers >= kFewest) {
-    noise.source = "repeats";
+    noise.source = NoiseSource::kRepeats;
     noise.least = repeats.value;
     noise.chance = std::hypot(noise.chance, std::sqrt(2.0 / repeats.numbers));
   } else if (stated) {
-    noise.source = "given";
+    noise.source = NoiseSource::kGiven;
     const double theta = varianceOf("position", linear.components, linear.noise).value_or(1.0);
     noise.least = components / std::max(1.0, theta);  // deviations that are stated too large are no noise that there is
   } else {
-    noise.source = "not known: no repeats, no stated deviation";
-    noise.known = false;
+    noise.source = NoiseSource::kUnknown;
   }
   noise.most = std::max(noise.most, noise.least);
   return noise;
@@ -141,6 +140,20 @@ MeasurementNoise measurementNoise(const MeasuredCell& measured, const Linearised
     if (component.name.starts_with("scatter")) noise.random += shareOf(linear, component.name);
   }
   return noise;
+}
+
+const char* noiseSourceName(NoiseSource source) {
+  switch (source) {
+    case NoiseSource::kRepeats:
+      return "repeats";
+    case NoiseSource::kGiven:
+      return "given";
+    case NoiseSource::kEstimated:
+      return "estimated";
+    case NoiseSource::kUnknown:
+      return "not known: no repeats, no stated deviation";
+  }
+  return "";
 }
 
 }  // namespace poecal

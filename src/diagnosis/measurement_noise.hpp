@@ -1,9 +1,8 @@
 // How much of what single points are off is the measuring's own, as far as the capture can tell it from what a model leaves.
 #pragma once
 
-#include <string>
-
 #include "diagnosis/evidence.hpp"
+#include "poecal/diagnosis/diagnose.hpp"
 
 namespace poecal {
 
@@ -13,8 +12,7 @@ struct MeasurementNoise {
   double most = 0.0;    ///< with all that could be: what the arm comes back by, and what no column explains
   double random = 0.0;  ///< with joints that move at random by themselves besides: no model foretells what they do
   double chance = 0.0;  ///< 1 sigma, as a share of `least`, by which so many squares differ from their mean and by which that is known
-  bool known = true;    ///< whether anything but the model's own misfit tells of it
-  std::string source;   ///< "repeats", "given", "estimated", or why it is not known
+  NoiseSource source = NoiseSource::kEstimated;
 };
 
 /// The noise of a capture beside all that is in a linearisation.
@@ -26,7 +24,7 @@ struct MeasurementNoise {
 ///
 /// and what a whole tag shares where tags in one picture or repeats tell it; `most` has the joints' repeatability and that share of the
 /// tag besides. Joints that move at random by themselves are no noise of the measuring. Poses: `least` is what repeats differ by, or the
-/// stated deviations; without either it is nothing, `most` what the components of the noise come to, and `known` is false.
+/// stated deviations; without either it is nothing, `most` what the components of the noise come to, and the source is kUnknown.
 /// @param stated  whether the poses' deviations were stated.
 MeasurementNoise measurementNoise(const MeasuredCell& measured, const Linearised& linear, bool stated);
 

@@ -6,12 +6,10 @@
 
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
+#include "diagnosis/thresholds.hpp"
 
 namespace poecal {
 namespace {
-
-constexpr double kScatterShare = 0.2;  // prior share of joints that move at random
-constexpr std::size_t kShortlist = 8, kCurveShortlist = 5;
 
 double logSumExp(const std::vector<double>& values) {
   if (values.empty()) return -std::numeric_limits<double>::infinity();
@@ -73,7 +71,7 @@ class Ranker {
  private:
   static RankedAnswer answerOf(const Candidate& candidate, const Evidence& screened, double log_weight) {
     return {.name = candidate.name,
-            .location = candidate.location,
+            .place = candidate.place,
             .driver = candidate.driver,
             .log_weight = log_weight,
             .log_bayes = screened.log_bayes,
@@ -86,8 +84,8 @@ class Ranker {
 
   /// Whether an answer is in already: what joint angles drive at a joint is one answer, whatever its shape.
   static bool isTaken(const Candidate& candidate, const std::vector<std::string>& taken) {
-    const bool posture = !candidate.known() && candidate.location.starts_with("joint:") && candidate.driver.starts_with("q");
-    const std::string there = answerName(candidate.name, candidate.location, "q");
+    const bool posture = !candidate.known() && candidate.place.kind == PlaceKind::kJoint && candidate.driver.isPosture();
+    const std::string there = answerName(candidate.name, candidate.place, Driver("q"));
     return std::any_of(taken.begin(), taken.end(),
                        [&](const std::string& name) { return name == candidate.answer() || (posture && name.starts_with(there)); });
   }
@@ -100,16 +98,16 @@ class Ranker {
     std::vector<Candidate> waves = waveCandidates(measured_, linear, *waves_, std::min(kMost, mostWaves(linear.rows.groups.size())));
     waves.insert(waves.end(), kept.begin(), kept.end());
     const std::vector<Evidence> evidence = screen(linear, waves);
-    std::map<std::string, RankedAnswer> best;
+    std::map<Place, RankedAnswer> best;
     for (std::size_t i = 0; i < waves.size(); ++i) {
       if (isTaken(waves[i], taken)) continue;
       RankedAnswer answer = answerOf(waves[i], evidence[i], evidence[i].log_bayes + waves[i].log_prior);
-      const auto there = best.find(answer.location);
-      if (there == best.end() || there->second.log_weight < answer.log_weight) best[answer.location] = std::move(answer);
+      const auto there = best.find(answer.place);
+      if (there == best.end() || there->second.log_weight < answer.log_weight) best[answer.place] = std::move(answer);
     }
-    for (auto& [location, answer] : best) {
+    for (auto& [place, answer] : best) {
       const auto same = std::find_if(ranking.answers.begin(), ranking.answers.end(), [&answer = answer](const RankedAnswer& other) {
-        return other.name == answer.name && other.location == answer.location && other.driver == answer.driver;
+        return other.name == answer.name && other.place == answer.place && other.driver == answer.driver;
       });
       if (same == ranking.answers.end()) {
         ranking.answers.push_back(std::move(answer));
@@ -124,8 +122,9 @@ class Ranker {
   /// Whether an effect of a size that is met on real cells could be seen. What could not is, beside another finding, mostly what that one
   /// does not follow.
   bool isTestable(const Ranking& ranking, const std::vector<std::size_t>& members) const {
-    return std::any_of(members.begin(), members.end(),
-                       [&](std::size_t i) { return !candidates_[i].known() || smallestSeen(ranking.screened[i].clearest) <= kAbsurdSize; });
+    return std::any_of(members.begin(), members.end(), [&](std::size_t i) {
+      return !candidates_[i].known() || smallestSeen(ranking.screened[i].clearest) <= kSearch.absurd_size;
+    });
   }
 
   /// Slips that stand out, at the times around their best one that were not tried yet.
@@ -195,7 +194,7 @@ class Ranker {
     std::size_t named = 0, curves = 0;
     for (RankedAnswer& answer : ranking.answers) {
       const bool known = answer.candidate->known();
-      if ((known ? named : curves) >= (known ? kShortlist : kCurveShortlist)) continue;
+      if ((known ? named : curves) >= (known ? kSearch.named_shortlist : kSearch.curve_shortlist)) continue;
       ++(known ? named : curves);
       if (answer.log_bayes < 0.0) continue;
       answer.exact = exactEvidence(linear, measured_, *answer.candidate, answer.screened);
@@ -217,14 +216,12 @@ class Ranker {
   /// Explanations that one linearisation cannot tell apart, each fitted again with the arm from the same start: evidence there decides. One
   /// whose fit comes to no rest is no answer. @param always  also where there is only one.
   void weighAgain(const Linearised& linear, Ranking& ranking, bool always) const {
-    constexpr double kReach = 30.0, kFarShare = 0.01;  // units of log evidence; a large effect is linearised the worse the larger it is
-    constexpr std::size_t kMost = 10;
     if (ranking.answers.empty()) return;
     const RankedAnswer& best = ranking.answers.front();
     if (!(best.log_weight > 0.0)) return;
-    const double least = best.log_weight - std::max(kReach, kFarShare * best.chi_square);
+    const double least = best.log_weight - std::max(kSearch.reach, kSearch.far_reach * best.chi_square);
     std::size_t count = 0;
-    while (count < std::min(kMost, ranking.answers.size()) && ranking.answers[count].log_weight > least) ++count;
+    while (count < std::min(kSearch.fitted_again, ranking.answers.size()) && ranking.answers[count].log_weight > least) ++count;
     if (count < 2 && !always) return;
     std::vector<RankedAnswer> kept;
     for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
@@ -246,23 +243,22 @@ class Ranker {
     const WhiteResidual white = whiteResidual(linear);
     const std::size_t joints = measured_.start.arm->joints.size();
     for (std::size_t k = 0; k < joints; ++k) {
-      RankedAnswer answer{.name = "joint_scatter", .location = "joint:" + std::to_string(k + 1), .driver = "none", .scatter = k};
-      if (std::find(taken.begin(), taken.end(), answerName(answer.name, answer.location, answer.driver)) != taken.end()) continue;
+      RankedAnswer answer{.name = "joint_scatter", .place = {PlaceKind::kJoint, k}, .driver = Driver("none"), .scatter = k};
+      if (std::find(taken.begin(), taken.end(), answerName(answer.name, answer.place, answer.driver)) != taken.end()) continue;
       // What a curve at the joint does not follow is its remainder.
-      const std::string curve = answerName("unknown", answer.location, "q");
+      const std::string curve = answerName(kUnknownEffect, answer.place, Driver("q"));
       if (std::any_of(taken.begin(), taken.end(), [&curve](const std::string& name) { return name.starts_with(curve); })) continue;
-      constexpr double kWorthTrying = 0.0;
       // Joints are not all alike, and good ones come back to some 1e-5 rad: one is beyond that where it moves twice as far as they do
       // together, and farther than any catalogue allows.
       constexpr double kBeyond = 3.0, kUsual = 4e-5;
-      if (scatterScore(white, jointScatter(linear.rows, k, 1.0)) < kWorthTrying) continue;
+      if (scatterScore(white, jointScatter(linear.rows, k, 1.0)) < kSearch.scatter_worth_trying) continue;
       answer.exact = scatterEvidence(linear, measured_, k);
       const bool slides = measured_.start.arm->joints[k].type == JointType::kPrismatic;
       if (!(answer.exact->scale > (slides ? kMetresPerRadian : 1.0) * kUsual)) continue;
       const double common = varianceOf("repeatability", linear.components, answer.exact->noise).value_or(0.0);
       if (!(answer.exact->scale * answer.exact->scale > kBeyond * common)) continue;
       answer.log_bayes = answer.exact->log_bayes;
-      answer.log_weight = answer.log_bayes + std::log(kScatterShare / static_cast<double>(joints));
+      answer.log_weight = answer.log_bayes + std::log(kSearch.scatter_share / static_cast<double>(joints));
       answer.chi_square = 2.0 * std::max(0.0, answer.log_bayes);
       ranking.answers.push_back(std::move(answer));
     }
@@ -300,7 +296,7 @@ std::size_t chosenAnswer(const Ranking& ranking) {
   for (std::size_t i = 1; i < ranking.answers.size(); ++i) {
     const RankedAnswer& other = ranking.answers[i];
     const bool named = other.exact && other.candidate && other.candidate->known();
-    if (named && other.log_weight > best.log_weight - kRelativeMisfit * best.chi_square) return i;
+    if (named && other.log_weight > best.log_weight - kSearch.relative_misfit * best.chi_square) return i;
   }
   return 0;
 }

@@ -10,12 +10,11 @@
 
 namespace poecal {
 
-/// Share of an explanation's chi-square that its own imprecision may leave: 7 % of its size.
-constexpr double kRelativeMisfit = 0.005;
-
 /// One answer with all its scanned parameters, and how the rows speak for it.
 struct RankedAnswer {
-  std::string name, location, driver;
+  std::string name;
+  Place place;
+  Driver driver;
   double log_weight = 0.0;  ///< log of prior share times evidence, summed over scanned parameters; against none
   double log_bayes = 0.0;   ///< evidence of the best instance, with the noise estimated beside it where `exact` is filled
   double chi_square = 0.0;

@@ -24,17 +24,17 @@ std::size_t lostCorners(const CaptureRows& rows) {
 }
 
 /// Where a fit stands, without its linearisation.
-struct Place {
+struct FitPoint {
   ModelState state;
   std::vector<Accepted> accepted;
   NoiseEstimate noise;
   std::size_t lost = 0;
 };
 
-Place placeOf(const Linearised& linear) { return {linear.state, linear.accepted, linear.noise, lostCorners(linear.rows)}; }
+FitPoint fitPoint(const Linearised& linear) { return {linear.state, linear.accepted, linear.noise, lostCorners(linear.rows)}; }
 
 /// Whether a step led to a place that serves the rows worse, both solved at the noise that it was made with.
-bool isWorse(const Linearised& here, const Place& before) {
+bool isWorse(const Linearised& here, const FitPoint& before) {
   return lostCorners(here.rows) > before.lost || here.noise.misfit > before.noise.misfit;
 }
 
@@ -46,7 +46,7 @@ void enter(const Accepted& one, Eigen::VectorXd& parameters) {
 }
 
 /// A place moved by a share of its solution, with the factors of what was accepted.
-Place moved(const MeasuredCell& measured, Place place, double share) {
+FitPoint moved(const MeasuredCell& measured, FitPoint place, double share) {
   const Eigen::VectorXd& b = place.noise.b;
   const ParameterLayout layout(place.state.cell.cell, measured.free);
   place.state.cell = place.state.cell.moved(layout, share * b.head(layout.total));
@@ -75,10 +75,10 @@ double promised(const NoiseEstimate& solution) {
 }
 
 /// The last step of a fit: verified like all others where it is more than rounding.
-Linearised atRest(const MeasuredCell& measured, Linearised here, const Place& place, double share, const std::vector<std::size_t>& scatter,
-                  const std::vector<std::vector<std::size_t>>& groups, double settled) {
+Linearised atRest(const MeasuredCell& measured, Linearised here, const FitPoint& place, double share,
+                  const std::vector<std::size_t>& scatter, const std::vector<std::vector<std::size_t>>& groups, double settled) {
   constexpr double kAtRest = 0.5;  // of chi-square: less than chance moves it by
-  Place end = moved(measured, place, share);
+  FitPoint end = moved(measured, place, share);
   if (share * largestMove(place.noise) >= settled) {
     Linearised there = linearise(measured, end.state, end.accepted, scatter, groups);
     there.noise = solveAt(measured, there, place.noise);
@@ -116,11 +116,11 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
   } else {
     here.noise = solveAt(measured, here, noise);
   }
-  Place place = placeOf(here);
+  FitPoint place = fitPoint(here);
   double share = 1.0;
   for (int step = 1; step <= kMaxSteps && share >= kShortest && largestMove(place.noise) >= kSettled; ++step) {
     here = {};  // the bulk of the memory; the next one need not stand beside it
-    const Place next = moved(measured, place, share);
+    const FitPoint next = moved(measured, place, share);
     here = linearise(measured, next.state, next.accepted, scatter, groups);
     here.noise = solveAt(measured, here, place.noise);
     if (isWorse(here, place)) {
@@ -128,7 +128,7 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
       continue;
     }
     if (noises-- > 0) setNoise(measured, place.noise, here);
-    place = placeOf(here);
+    place = fitPoint(here);
     share = 1.0;
   }
   if (share < 1.0) {  // the last step led nowhere

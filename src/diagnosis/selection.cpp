@@ -6,15 +6,11 @@
 
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
+#include "diagnosis/thresholds.hpp"
 #include "diagnosis/wild_poses.hpp"
 
 namespace poecal {
 namespace {
-
-// Logs of odds. That there is anything: without an effect 1 capture in 200 reaches 0.5 for all explanations together.
-constexpr double kAnything = 1.0;
-constexpr double kBeside = 4.5;  // of another finding beside the first
-constexpr double kNeeded = 2.5;  // of each of several, with all others in
 
 class Selector {
  public:
@@ -27,7 +23,7 @@ class Selector {
   Selection run(const std::vector<std::size_t>& wild) {
     if (!isRunInTime(selection_.measured, groupsOf(wild))) remove(wild);
     linear_ = refit(selection_.measured, selection_.base, {}, {}, NoiseEstimate{}, {}, true);
-    dropBad(kWildAtOnce);
+    dropBad(kSearch.wild_at_once);
     listCandidates();
     selection_.base = linear_.state;
     selection_.base_noise = linear_.noise;
@@ -43,7 +39,7 @@ class Selector {
         if (isNew()) continue;
       }
       // What stands out now does so beside every explanation.
-      if (!dropBad(kWildAtLast) && !takeBack()) break;
+      if (!dropBad(kSearch.wild_at_last) && !takeBack()) break;
       settled_.clear();
       listCandidates();
       if (selection_.findings.empty()) {
@@ -89,7 +85,7 @@ class Selector {
     std::vector<std::string> all;
     for (std::size_t i = 0; i < selection_.findings.size(); ++i) {
       const FoundEffect& found = selection_.findings[i];
-      if (i != without) all.push_back(answerName(found.name, found.location, found.driver));
+      if (i != without) all.push_back(answerName(found.name, found.place, found.driver));
     }
     return all;
   }
@@ -104,7 +100,7 @@ class Selector {
   static FoundEffect finding(const RankedAnswer& answer) {
     FoundEffect found;
     found.name = answer.name;
-    found.location = answer.location;
+    found.place = answer.place;
     found.driver = answer.driver;
     found.log_bayes = answer.log_bayes;
     found.chi_square = answer.chi_square;
@@ -125,11 +121,11 @@ class Selector {
     const std::size_t chosen = chosenAnswer(ranking);
     const RankedAnswer& answer = ranking.answers[chosen];
     const bool first = selection_.findings.empty();
-    double needed = first ? kAnything : kBeside + kRelativeMisfit * explained();
+    double needed = first ? kSearch.anything : kSearch.beside + kSearch.relative_misfit * explained();
     // Beside a curve of unknown shape another finding is mostly what the curve did not follow.
-    const bool unknown_before = std::any_of(selection_.findings.begin(), selection_.findings.end(),
-                                            [](const FoundEffect& found) { return found.name == "unknown"; });
-    if (unknown_before) needed += 14.0 + 0.02 * explained();
+    const bool unknown_before =
+        std::any_of(selection_.findings.begin(), selection_.findings.end(), [](const FoundEffect& found) { return found.isUnknown(); });
+    if (unknown_before) needed += kSearch.beside_unknown + kSearch.unknown_misfit * explained();
     // Explanations that are hard to tell apart speak together for there being something.
     if (!((first ? ranking.log_total : answer.log_weight) > needed)) return false;
     if (answer.scatter && takeStructureBeside(answer)) return true;
@@ -183,7 +179,7 @@ class Selector {
     Ranking beside = ranked(linear_);
     selection_.findings.pop_back();
     const std::size_t chosen = beside.answers.empty() ? 0 : chosenAnswer(beside);
-    const bool any = !beside.answers.empty() && beside.answers[chosen].candidate && beside.answers[chosen].log_weight > kBeside;
+    const bool any = !beside.answers.empty() && beside.answers[chosen].candidate && beside.answers[chosen].log_weight > kSearch.beside;
     if (!any) {
       refitAll();
       return false;
@@ -203,10 +199,10 @@ class Selector {
 
   /// Log of the odds that a curve at a named effect's place still finds something with the effect in; 0 where there is nothing to say.
   double structureLeftAt(const RankedAnswer& named) const {
-    if (named.name == "unknown") return 0.0;
+    if (named.candidate && !named.candidate->known()) return 0.0;
     std::vector<Candidate> there;
     for (const Candidate& candidate : selection_.candidates) {
-      if (!candidate.known() && candidate.location == named.location) there.push_back(candidate);
+      if (!candidate.known() && candidate.place == named.place) there.push_back(candidate);
     }
     double left = 0.0;
     for (const Evidence& evidence : screen(linear_, there)) left = std::max(left, evidence.log_bayes);
@@ -216,12 +212,12 @@ class Selector {
   /// A named effect is not the cause where, with it in, a curve at the same place still finds structure: it is the nearest shape that has a
   /// name. @return the answer to give instead: the best curve there.
   static std::optional<std::size_t> curveThatExplainsMore(const Ranking& ranking, const RankedAnswer& named, double left) {
-    constexpr double kStructure = 3.0;
-    if (!(left > kStructure + kRelativeMisfit * named.chi_square)) return {};
+    if (!(left > kSearch.structure + kSearch.relative_misfit * named.chi_square)) return {};
     for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
       const RankedAnswer& answer = ranking.answers[i];
       // A curve that explains clearly less is not what the named one stands for: then two effects are at one place.
-      if (answer.name == "unknown" && answer.location == named.location && answer.log_weight > named.log_weight - left) return i;
+      if (answer.candidate && !answer.candidate->known() && answer.place == named.place && answer.log_weight > named.log_weight - left)
+        return i;
     }
     return {};
   }
@@ -251,7 +247,7 @@ class Selector {
     if (now.scatter || !ranking.answers[chosen].scatter) return chosen;
     for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
       const RankedAnswer& answer = ranking.answers[i];
-      if (answer.candidate && answer.log_weight > kNeeded) return answer.name == now.name && answer.location == now.location ? i : chosen;
+      if (answer.candidate && answer.log_weight > kSearch.needed) return answer.name == now.name && answer.place == now.place ? i : chosen;
     }
     return chosen;
   }
@@ -270,8 +266,8 @@ class Selector {
         if (chosen == ranking.answers.size()) continue;
         const RankedAnswer& best = ranking.answers[chosen];
         const bool waves = best.candidate && best.candidate->isWaves() && isWaves(now);
-        const bool same = best.name == now.name && best.location == now.location && (best.driver == now.driver || waves);
-        if (!(best.log_weight > kNeeded)) {
+        const bool same = best.name == now.name && best.place == now.place && (best.driver == now.driver || waves);
+        if (!(best.log_weight > kSearch.needed)) {
           if (isMissed(now, others)) continue;
           selection_.findings.erase(selection_.findings.begin() + static_cast<std::ptrdiff_t>(i));
           refitAll();
@@ -299,7 +295,7 @@ class Selector {
     if (!found.accepted) return false;
     // The finding is in at its best scale, not at all of them.
     const double share = found.accepted->candidate.log_prior - std::log(static_cast<double>(evidenceScales().size()));
-    return linear_.noise.log_likelihood - others.noise.log_likelihood + share > kNeeded;
+    return linear_.noise.log_likelihood - others.noise.log_likelihood + share > kSearch.needed;
   }
 
   /// Whether these findings together were not settled on before with the same poses: what is then taken in and given up again goes on for

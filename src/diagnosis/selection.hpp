@@ -14,9 +14,13 @@ namespace poecal {
 struct FoundEffect {
   std::optional<Accepted> accepted;    ///< effect or curve, or
   std::optional<std::size_t> scatter;  ///< joint that moves at random
-  std::string name, location, driver;
+  std::string name;
+  Place place;
+  Driver driver;
   double log_bayes = 0.0, chi_square = 0.0;
   Ranking ranking;  ///< with all other findings in
+
+  bool isUnknown() const { return accepted && !accepted->candidate.known(); }
 };
 
 struct Selection {

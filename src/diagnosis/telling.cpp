@@ -13,6 +13,7 @@
 #include "diagnosis/look_alikes.hpp"
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
+#include "diagnosis/thresholds.hpp"
 #include "poecal/core/statistics.hpp"
 
 namespace poecal {
@@ -25,12 +26,12 @@ struct Sight {
   double times_typical = std::numeric_limits<double>::infinity();
 };
 
-std::map<std::pair<std::string, std::string>, Sight> sights(const Selection& selection) {
-  std::map<std::pair<std::string, std::string>, Sight> all;
+std::map<std::pair<std::string, Place>, Sight> sights(const Selection& selection) {
+  std::map<std::pair<std::string, Place>, Sight> all;
   for (std::size_t i = 0; i < selection.base_candidates.size(); ++i) {
     const Candidate& candidate = selection.base_candidates[i];
     if (!candidate.known()) continue;
-    Sight& sight = all[{candidate.name, candidate.location}];
+    Sight& sight = all[{candidate.name, candidate.place}];
     const auto first = static_cast<std::size_t>(candidate.linear.front());
     const double times = smallestSeen(selection.base_evidence[i].information);
     if (times < sight.times_typical || sight.unit.empty()) {
@@ -41,10 +42,9 @@ std::map<std::pair<std::string, std::string>, Sight> sights(const Selection& sel
 }
 
 /// Why an effect that has its columns still shows nothing.
-std::string whyUnseen(const std::string& effect, const std::string& location, const MeasuredCell& measured) {
-  const bool at_joint = location.starts_with("joint:");
-  if (at_joint) {
-    const auto k = static_cast<Eigen::Index>(std::stoul(location.substr(6))) - 1;
+std::string whyUnseen(const std::string& effect, const Place& place, const MeasuredCell& measured) {
+  if (place.kind == PlaceKind::kJoint) {
+    const auto k = static_cast<Eigen::Index>(place.index);
     const auto all = [&measured](auto is) { return std::all_of(measured.samples.begin(), measured.samples.end(), is); };
     const Sample& first = measured.samples.front();
     if (effect == "joint_backlash" && all([&](const Sample& s) { return s.dir(k) == first.dir(k); })) {
@@ -52,7 +52,7 @@ std::string whyUnseen(const std::string& effect, const std::string& location, co
           "the joint was always reached from the same side (dir{}): one half of its play is a joint zero, which no data can tell", k + 1);
     }
     if (effect == "joint_compliance" &&
-        std::abs(measured.start.arm->joints[static_cast<std::size_t>(k)].axis().dot(measured.gravity.normalized())) > 0.999 && k == 0) {
+        std::abs(measured.start.arm->joints[place.index].axis().dot(measured.gravity.normalized())) > 0.999 && k == 0) {
       return "its axis is vertical: gravity has no moment about it";
     }
   }
@@ -82,7 +82,7 @@ void fillAlternatives(const Ranking& ranking, Finding& finding) {
   for (std::size_t i = 1; i < ranking.answers.size() && finding.alternatives.size() < kMost; ++i) {
     const RankedAnswer& other = ranking.answers[i];
     const double probability = ranking.probability(i);
-    if (probability > kWorthNaming) finding.alternatives.push_back({other.name, other.location, other.driver, probability});
+    if (probability > kWorthNaming) finding.alternatives.push_back({other.name, other.place.name(), other.driver.name(), probability});
   }
   std::stable_sort(finding.alternatives.begin(), finding.alternatives.end(),
                    [](const AlternativeCause& a, const AlternativeCause& b) { return a.probability > b.probability; });
@@ -117,7 +117,7 @@ std::optional<double> largestDeflection(const Selection& selection, const Accept
 }
 
 Finding findingOf(const Selection& selection, const FoundEffect& found, const Eigen::VectorXd& deviation) {
-  Finding finding{.effect = found.name, .location = found.location, .driver = found.driver};
+  Finding finding{.effect = found.name, .location = found.place.name(), .driver = found.driver.name()};
   finding.log_evidence = found.log_bayes;
   finding.chi_square = found.chi_square;
   if (found.accepted) fillParameters(*found.accepted, deviation, finding);
@@ -150,15 +150,15 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order) {
 
 void tellWhatCanBeSeen(const Selection& selection, Diagnosis& diagnosis) {
   diagnosis.not_testable = selection.not_testable;
-  const auto is_found = [&selection](const std::pair<std::string, std::string>& name) {
+  const auto is_found = [&selection](const std::pair<std::string, Place>& name) {
     return std::any_of(selection.findings.begin(), selection.findings.end(),
-                       [&name](const FoundEffect& found) { return found.name == name.first && found.location == name.second; });
+                       [&name](const FoundEffect& found) { return found.name == name.first && found.place == name.second; });
   };
   for (const auto& [name, sight] : sights(selection)) {
-    if (sight.times_typical > kAbsurdSize && !is_found(name)) {
-      diagnosis.not_testable.push_back({name.first, name.second, whyUnseen(name.first, name.second, selection.measured)});
+    if (sight.times_typical > kSearch.absurd_size && !is_found(name)) {
+      diagnosis.not_testable.push_back({name.first, name.second.name(), whyUnseen(name.first, name.second, selection.measured)});
     } else {
-      diagnosis.detectable.push_back({name.first, name.second, sight.smallest, sight.unit});
+      diagnosis.detectable.push_back({name.first, name.second.name(), sight.smallest, sight.unit});
     }
   }
   const std::vector<Joint>& joints = selection.measured.start.arm->joints;
@@ -205,7 +205,7 @@ void tellWhere(const Selection& selection, Diagnosis& diagnosis) {
   std::map<std::pair<std::string, std::string>, GapPlace> found;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const double chi_square = evidence[i].chi_square;
-    GapPlace place{places[i].location, places[i].driver, std::clamp((chi_square - evidence[i].dimension) / explained, 0.0, 1.0),
+    GapPlace place{places[i].place.name(), places[i].driver.name(), std::clamp((chi_square - evidence[i].dimension) / explained, 0.0, 1.0),
                    std::min(1.0, static_cast<double>(places.size()) * chiSquareTail(chi_square, evidence[i].dimension))};
     GapPlace& known = found[{place.location, place.driver}];
     if (known.location.empty() || known.share < place.share) known = place;
@@ -232,8 +232,8 @@ void tellRemaining(const Selection& selection, Diagnosis& diagnosis) {
   diagnosis.remaining_p_value = std::min(1.0, 1.0 / total);
   diagnosis.remaining_significant = diagnosis.remaining_p_value < 0.01;
   if (!diagnosis.remaining_significant) return;
-  diagnosis.remaining_location = curves[best].location;
-  diagnosis.remaining_driver = curves[best].driver;
+  diagnosis.remaining_location = curves[best].place.name();
+  diagnosis.remaining_driver = curves[best].driver.name();
 }
 
 void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
@@ -244,8 +244,8 @@ void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
     const Evidence& evidence = selection.base_evidence[i];
     Explained& explained = answers[candidate.answer()];
     if (!explained.effect.empty() && explained.log_evidence > evidence.log_bayes) continue;
-    explained = {candidate.name, candidate.location, candidate.driver, evidence.log_bayes, evidence.chi_square, 0.0, 0.0, ""};
-    const auto sight = seen.find({candidate.name, candidate.location});
+    explained = {candidate.name, candidate.place.name(), candidate.driver.name(), evidence.log_bayes, evidence.chi_square, 0.0, 0.0, ""};
+    const auto sight = seen.find({candidate.name, candidate.place});
     if (sight != seen.end()) {
       explained.smallest = sight->second.smallest;
       explained.unit = sight->second.unit;
@@ -256,10 +256,10 @@ void tellExplained(const Selection& selection, Diagnosis& diagnosis) {
   for (const Ranking* ranking : rankings) {
     for (std::size_t i = 0; i < ranking->answers.size(); ++i) {
       const RankedAnswer& answer = ranking->answers[i];
-      Explained& explained = answers[answerName(answer.name, answer.location, answer.driver)];
+      Explained& explained = answers[answerName(answer.name, answer.place, answer.driver)];
       explained.effect = answer.name;
-      explained.location = answer.location;
-      explained.driver = answer.driver;
+      explained.location = answer.place.name();
+      explained.driver = answer.driver.name();
       explained.log_evidence = answer.log_bayes;
       explained.probability = std::max(explained.probability, ranking->probability(i));
     }
@@ -273,8 +273,9 @@ void tellBad(const Selection& selection, const std::vector<Observation>& observa
              Diagnosis& diagnosis) {
   if (selection.bad.empty()) return;
   Finding finding{.effect = "bad_samples", .location = "samples", .driver = "none"};
-  finding.probability = 1.0;
-  finding.p_value = 1e-9;
+  // Each of them passed the test of wildRows(), which every row could have passed by chance.
+  finding.p_value = std::min(1.0, static_cast<double>(observations.size()) * kSearch.wild_at_last.probability);
+  finding.probability = 1.0 - finding.p_value;
   finding.remedy = effectKind("bad_samples").remedy;
   for (std::size_t i = 0; i < selection.bad.size(); ++i) {
     const std::size_t sample = observations[selection.bad[i]].sample;

@@ -154,7 +154,8 @@ std::vector<std::size_t> explainedPoses(const Linearised& fitted, const Linearis
   const double usual = usualSquare(white.whitening, squaresOf(white.whitening, white.e));
   std::vector<std::size_t> explained;
   for (std::size_t g = 0; g < squares.size(); ++g) {
-    if (isSeen(others.rows, others.rows.groups[g]) && !isWild(squares[g], whitening.size(g), usual, kWildAtLast)) explained.push_back(g);
+    if (isSeen(others.rows, others.rows.groups[g]) && !isWild(squares[g], whitening.size(g), usual, kSearch.wild_at_last))
+      explained.push_back(g);
   }
   return explained;
 }

@@ -5,16 +5,9 @@
 #include <vector>
 
 #include "diagnosis/evidence.hpp"
+#include "diagnosis/thresholds.hpp"
 
 namespace poecal {
-
-/// When a pose belongs to no model: its mean square in units of its noise, and how improbable that is.
-struct Wild {
-  double mean_square;
-  double probability;
-};
-/// Before any effect is known only what no effect does to a single pose; at the end what chance does not do once in ten million captures.
-inline constexpr Wild kWildAtOnce{150.0, 1e-30}, kWildAtLast{8.0, 1e-9};
 
 /// Rows of a linearisation with its noise that belong to no model, as indices into the measured observations, ascending. Of a pose that was
 /// taken several times those shots alone whose absence leaves shots that do belong. None where their poses are a run at the end or the

@@ -20,7 +20,7 @@ EffectKind badSamples() {
   kind.reach = Reach::kPose;
   kind.drivers = {"none"};
   kind.parameters = {
-      {"share", "", 0.02, ParameterRole::kFixed}, {"sigma", "rad", 0.02, ParameterRole::kFixed}, {"seed", "", 0.0, ParameterRole::kFixed}};
+      {"share", "", 0.02, ParameterRole::kSpread}, {"sigma", "rad", 0.02, ParameterRole::kSpread}, {"seed", "", 0.0, ParameterRole::kSeed}};
   kind.needs = {Need::kJoints};
   kind.meaning = "single rows whose joints and picture do not belong together";
   kind.formula = "in a share of the rows every joint is off by sigma n, n standard normal";

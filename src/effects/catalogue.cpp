@@ -1,7 +1,6 @@
 #include "poecal/effects/catalogue.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -17,8 +16,6 @@
 
 namespace poecal {
 namespace {
-
-bool isNumbered(PlaceKind place) { return place == PlaceKind::kJoint || place == PlaceKind::kLink; }
 
 std::size_t jointCount(const Cell& cell) { return cell.arm ? cell.arm->joints.size() : 0; }
 
@@ -36,49 +33,43 @@ std::string driverName(const std::string& pattern, std::size_t index, const std:
 
 /// Index of the place that `location` names. @throws InvalidArgument.
 std::size_t placeIndex(const EffectKind& kind, const std::string& location, const Cell& cell) {
+  const std::optional<Place> place = Place::of(location);
+  if (place && place->kind == kind.place && (!isNumbered(kind.place) || place->index < jointCount(cell))) return place->index;
   const std::string name = placeName(kind.place);
-  if (!isNumbered(kind.place)) {
-    if (location != name) throw InvalidArgument(fmt::format("{} cannot be at '{}', expected {}", kind.name, location, name));
-    return 0;
-  }
-  const std::string prefix = name + ":";
-  std::size_t number = 0;
-  const char* end = location.data() + location.size();
-  const bool begins = location.starts_with(prefix);
-  const auto [rest, status] =
-      begins ? std::from_chars(location.data() + prefix.size(), end, number) : std::from_chars_result{end, std::errc::invalid_argument};
-  if (status != std::errc() || rest != end || number < 1 || number > jointCount(cell)) {
-    throw InvalidArgument(fmt::format("{} cannot be at '{}', expected {}1 to {}{}", kind.name, location, prefix, prefix, jointCount(cell)));
-  }
-  return number - 1;
+  if (!isNumbered(kind.place)) throw InvalidArgument(fmt::format("{} cannot be at '{}', expected {}", kind.name, location, name));
+  throw InvalidArgument(fmt::format("{0} cannot be at '{1}', expected {2}:1 to {2}:{3}", kind.name, location, name, jointCount(cell)));
 }
 
 /// @throws InvalidArgument where the kind has no such driver.
-std::string chosenDriver(const EffectKind& kind, const EffectSpec& spec, std::size_t index) {
+Driver chosenDriver(const EffectKind& kind, const EffectSpec& spec, std::size_t index) {
   if (kind.drivers.empty()) {
     if (spec.driver.empty()) throw InvalidArgument(fmt::format("{} needs its driver", kind.name));
-    return spec.driver;
+    return Driver(spec.driver);
   }
   std::vector<std::string> known;
   for (const std::string& pattern : kind.drivers) known.push_back(driverName(pattern, index, spec.parameters));
-  if (spec.driver.empty()) return known.front();
+  if (spec.driver.empty()) return Driver(known.front());
   if (std::find(known.begin(), known.end(), spec.driver) == known.end()) {
     throw InvalidArgument(fmt::format("{} is not driven by '{}', expected {}", kind.name, spec.driver, fmt::join(known, " or ")));
   }
-  return spec.driver;
+  return Driver(spec.driver);
 }
 
 /// @throws InvalidArgument: no such kind, or `unknown` where no curve can be.
 const EffectKind& kindOf(const EffectSpec& spec) {
-  if (spec.effect != "unknown") return effectKind(spec.effect);
-  if (const EffectKind* kind = kinds::unknownAt(spec.location)) return *kind;
+  if (spec.effect != kUnknownEffect) return effectKind(spec.effect);
+  const std::optional<Place> place = Place::of(spec.location);
+  const EffectKind* kind = place ? kinds::unknownAt(place->kind) : nullptr;
+  if (kind != nullptr) return *kind;
   throw InvalidArgument(
       fmt::format("unknown cannot be at '{}', expected joint:K, camera.mount, target.mount or camera.lens", spec.location));
 }
 
 /// @throws InvalidArgument unless the fixed numbers name a joint, and not its own.
 void checkSource(const EffectKind& kind, const EffectSpec& spec, std::size_t index, const Cell& cell) {
-  const auto source = spec.parameters.find("source");
+  const std::optional<std::size_t> number_of_joint = kind.parameterOf(ParameterRole::kSource);
+  if (!number_of_joint) return;
+  const auto source = spec.parameters.find(kind.parameters[*number_of_joint].name);
   if (source == spec.parameters.end()) return;
   const double number = source->second;
   if (number != std::floor(number) || number < 1.0 || number > static_cast<double>(jointCount(cell)) ||
@@ -88,17 +79,19 @@ void checkSource(const EffectKind& kind, const EffectSpec& spec, std::size_t ind
 }
 
 /// The kinds state units of a turning joint, and "/t" and "t" for whatever their driver measures.
-std::string unitAt(const std::string& unit, const std::string& driver, bool slides) {
-  if (unit == "t") return driver == "temperature" ? "degC" : "s";
-  const std::string timed = replaced(unit, "/t", driver == "temperature" ? "/K" : "/h");
+std::string unitAt(const std::string& unit, const Driver& driver, bool slides) {
+  const bool warms = driver.kind() == DriverKind::kTemperature;
+  if (unit == "t") return warms ? "degC" : "s";
+  const std::string timed = replaced(unit, "/t", warms ? "/K" : "/h");
   if (!slides) return timed;
   return timed.starts_with("rad/(N m)") ? replaced(timed, "rad/(N m)", "m/N") : replaced(timed, "rad", "m");
 }
 
 /// The kinds state sizes per hour: machines warm by some ten kelvin in it.
-double typicalAt(const EffectParameter& parameter, const std::string& driver) {
+double typicalAt(const EffectParameter& parameter, const Driver& driver) {
   constexpr double kKelvinPerHour = 10.0;
-  return parameter.unit.ends_with("/t") && driver == "temperature" ? parameter.typical / kKelvinPerHour : parameter.typical;
+  return parameter.unit.ends_with("/t") && driver.kind() == DriverKind::kTemperature ? parameter.typical / kKelvinPerHour
+                                                                                     : parameter.typical;
 }
 
 /// Compliance times the masses of every body that the place carries, and the compliance as a payload shows it; see Effect::byMasses. Where
@@ -162,33 +155,30 @@ std::string whatIsMissing(Need need, const Effect& effect, const Cell& cell, con
 /// What else the driver asks for.
 std::vector<Need> needsOf(const Effect& effect) {
   std::vector<Need> needs = effect.kind().needs;
-  if (effect.driver() == "stamp") needs.push_back(Need::kStamp);
-  if (effect.driver() == "temperature") needs.push_back(Need::kTemperature);
+  if (effect.driver().kind() == DriverKind::kStamp) needs.push_back(Need::kStamp);
+  if (effect.driver().kind() == DriverKind::kTemperature) needs.push_back(Need::kTemperature);
   return needs;
 }
 
 /// @throws InsufficientData where a curve follows what the sample does not have.
 void checkCurveDriver(const Effect& effect, const SampleContext& context) {
-  const bool follows = effect.kind().parameters_of != nullptr && effect.driver() != "pixel";
-  if (!follows || hasDrivers(effect.driver(), context)) return;
+  const bool follows = effect.kind().parameters_of != nullptr && effect.driver().kind() != DriverKind::kPixel;
+  if (!follows || hasDriver(effect.driver(), context)) return;
   throw InsufficientData(fmt::format("{} at {} cannot be computed: sample {} has no {}", effect.name(), effect.location(),
-                                     context.number + 1, effect.driver()));
+                                     context.number + 1, effect.driver().name()));
 }
 
 /// The fixed parameters of every instance of a kind at one place.
 std::vector<std::map<std::string, double>> instancesOf(const EffectKind& kind, std::size_t index, const Cell& cell, const Target& target) {
   std::vector<std::map<std::string, double>> instances;
-  const auto has = [&kind](const char* name) {
-    return std::any_of(kind.parameters.begin(), kind.parameters.end(), [name](const EffectParameter& p) { return p.name == name; });
-  };
-  if (has("source")) {
+  if (const auto source_of = kind.parameterOf(ParameterRole::kSource)) {
     for (std::size_t source = 0; source < jointCount(cell); ++source) {
-      if (source != index) instances.push_back({{"source", static_cast<double>(source + 1)}});
+      if (source != index) instances.push_back({{kind.parameters[*source_of].name, static_cast<double>(source + 1)}});
     }
-  } else if (has("tag")) {
+  } else if (const auto tag_of = kind.parameterOf(ParameterRole::kTag)) {
     std::set<int> ids;
     for (const TargetPoint& point : target.points) ids.insert(point.id.tag);
-    for (const int id : ids) instances.push_back({{"tag", static_cast<double>(id)}});
+    for (const int id : ids) instances.push_back({{kind.parameters[*tag_of].name, static_cast<double>(id)}});
   } else {
     instances.emplace_back();
   }
@@ -197,7 +187,7 @@ std::vector<std::map<std::string, double>> instancesOf(const EffectKind& kind, s
 
 }  // namespace
 
-Effect instantiate(const EffectKind& kind, std::size_t index, const std::string& driver, const std::map<std::string, double>& parameters,
+Effect instantiate(const EffectKind& kind, std::size_t index, const Driver& driver, const std::map<std::string, double>& parameters,
                    const Cell& cell) {
   Effect effect;
   effect.kind_ = &kind;
@@ -218,13 +208,20 @@ Effect instantiate(const EffectKind& kind, std::size_t index, const std::string&
     parameter.typical = typicalAt(parameter, driver);
     parameter.unit = unitAt(parameter.unit, driver, slides);
     const auto given = parameters.find(parameter.name);
-    if (parameter.name == "reference") effect.start_(static_cast<Eigen::Index>(i)) = std::numeric_limits<double>::quiet_NaN();
-    if (parameter.role == ParameterRole::kFixed && given != parameters.end()) effect.start_(static_cast<Eigen::Index>(i)) = given->second;
+    if (parameter.role == ParameterRole::kReference) effect.start_(static_cast<Eigen::Index>(i)) = std::numeric_limits<double>::quiet_NaN();
+    if (isFixed(parameter.role) && given != parameters.end()) effect.start_(static_cast<Eigen::Index>(i)) = given->second;
   }
   return effect;
 }
 
 std::string EffectKind::placePattern() const { return isNumbered(place) ? std::string(placeName(place)) + ":K" : placeName(place); }
+
+std::optional<std::size_t> EffectKind::parameterOf(ParameterRole role) const {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].role == role) return i;
+  }
+  return {};
+}
 
 const std::vector<EffectKind>& effectKinds() {
   using namespace kinds;
@@ -259,8 +256,9 @@ AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell) {
   Eigen::VectorXd parameters = effect.start();
   for (const auto& [name, value] : spec.parameters) parameters(effect.parameterIndex(name)) = value;
   for (const EffectParameter& parameter : effect.parameters()) {
-    if (parameter.role != ParameterRole::kLinear && parameter.name != "seed" && parameter.name != "reference" &&
-        !spec.parameters.contains(parameter.name)) {
+    const bool may_lack =
+        parameter.role == ParameterRole::kLinear || parameter.role == ParameterRole::kSeed || parameter.role == ParameterRole::kReference;
+    if (!may_lack && !spec.parameters.contains(parameter.name)) {
       throw InvalidArgument(fmt::format("{} needs its parameter '{}'", kind.name, parameter.name));
     }
   }
@@ -304,7 +302,7 @@ Candidates candidateEffects(const Cell& cell, const Target& target, const std::v
       std::size_t testable = 0;
       for (const auto& fixed : instancesOf(kind, index, cell, target)) {
         for (const std::string& pattern : kind.drivers) {
-          Effect effect = instantiate(kind, index, driverName(pattern, index, fixed), fixed, cell);
+          Effect effect = instantiate(kind, index, Driver(driverName(pattern, index, fixed)), fixed, cell);
           const std::string missing = whyNotTestable(effect, cell, target, samples);
           if (!missing.empty() && why.empty()) why = missing;
           if (missing.empty()) {
@@ -314,7 +312,7 @@ Candidates candidateEffects(const Cell& cell, const Target& target, const std::v
         }
       }
       if (testable == 0 && !why.empty()) {
-        candidates.not_testable.push_back({kind.name, instantiate(kind, index, "", {}, cell).location(), why});
+        candidates.not_testable.push_back({kind.name, Place{kind.place, index}.name(), why});
       }
     }
   }

@@ -30,14 +30,23 @@ std::optional<Eigen::Index> numberAfter(const std::string& driver, const std::st
   return status == std::errc() && rest == end && number > 0 ? std::optional(number) : std::nullopt;
 }
 
-std::string driverUnit(const std::string& driver) {
-  if (numberAfter(driver, "q")) return "rad";
-  if (numberAfter(driver, "tau")) return "N m";
-  return driver == "stamp" || driver == "temperature" ? "t" : "";
+std::string driverUnit(DriverKind driver) {
+  switch (driver) {
+    case DriverKind::kReading:
+      return "rad";
+    case DriverKind::kTorque:
+      return "N m";
+    case DriverKind::kStamp:
+    case DriverKind::kTemperature:
+      return "t";
+    default:
+      return "";
+  }
 }
 
-std::vector<EffectParameter> range(const std::string& driver) {
-  return {{"low", driverUnit(driver), 0.0, ParameterRole::kFixed}, {"high", driverUnit(driver), 0.0, ParameterRole::kFixed}};
+std::vector<EffectParameter> range(const Driver& driver) {
+  const std::string unit = driverUnit(driver.kind());
+  return {{"low", unit, 0.0, ParameterRole::kRange}, {"high", unit, 0.0, ParameterRole::kRange}};
 }
 
 /// How many of "c1", "c2", ... are given, up to the last.
@@ -61,14 +70,14 @@ std::vector<EffectParameter> waveParameters(const std::map<std::string, double>&
   return parameters;
 }
 
-std::vector<EffectParameter> jointParameters(const std::string& driver, const std::map<std::string, double>& given) {
+std::vector<EffectParameter> jointParameters(const Driver& driver, const std::map<std::string, double>& given) {
   if (std::vector<EffectParameter> waves = waveParameters(given); !waves.empty()) return waves;
   std::vector<EffectParameter> parameters = range(driver);
   for (int j = 1; j <= lastOf("c", given); ++j) parameters.push_back({fmt::format("c{}", j), "rad", 1e-4});
   return parameters;
 }
 
-std::vector<EffectParameter> mountParameters(const std::string& driver, const std::map<std::string, double>& given) {
+std::vector<EffectParameter> mountParameters(const Driver& driver, const std::map<std::string, double>& given) {
   int count = 0;
   for (const char* axis : kAxes) count = std::max(count, lastOf(axis, given));
   std::vector<EffectParameter> parameters = range(driver);
@@ -79,7 +88,7 @@ std::vector<EffectParameter> mountParameters(const std::string& driver, const st
 }
 
 /// "u_1_0" of the wave with i = 1, j = 0.
-std::vector<EffectParameter> lensParameters(const std::string&, const std::map<std::string, double>& given) {
+std::vector<EffectParameter> lensParameters(const Driver&, const std::map<std::string, double>& given) {
   const auto count = [&given](int orders) {
     const auto all = pixelOrders(orders);
     return std::any_of(all.begin(), all.end(), [&](const auto& order) {
@@ -139,7 +148,7 @@ void bendLens(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, cons
 
 EffectKind unknown(PlaceKind place, EffectKind::AddDerivative add_derivative, EffectKind::ParametersOf parameters_of) {
   EffectKind kind;
-  kind.name = "unknown";
+  kind.name = kUnknownEffect;
   kind.place = place;
   kind.needs = {place == PlaceKind::kCameraLens ? Need::kCamera : Need::kJoints};
   kind.meaning = "structure that no listed effect explains";
@@ -154,23 +163,34 @@ EffectKind unknown(PlaceKind place, EffectKind::AddDerivative add_derivative, Ef
 
 }  // namespace
 
-double driverValue(const std::string& driver, const SampleContext& context) {
+double driverValue(const Driver& driver, const SampleContext& context) {
   const Sample& sample = context.sample;
-  const auto entry = [](const Eigen::VectorXd& values, Eigen::Index number) { return number <= values.size() ? values(number - 1) : kNaN; };
-  if (const auto joint = numberAfter(driver, "q")) return entry(sample.q, *joint);
-  if (const auto joint = numberAfter(driver, "tau")) return entry(context.torque, *joint);
-  if (driver == "stamp") return sample.stamp.value_or(kNaN);
-  if (driver == "temperature") return sample.temperature.value_or(kNaN);
+  const auto entry = [&driver](const Eigen::VectorXd& values) {
+    const auto k = static_cast<Eigen::Index>(driver.joint());
+    return k < values.size() ? values(k) : kNaN;
+  };
+  switch (driver.kind()) {
+    case DriverKind::kReading:
+      return entry(sample.q);
+    case DriverKind::kTorque:
+      return entry(context.torque);
+    case DriverKind::kStamp:
+      return sample.stamp.value_or(kNaN);
+    case DriverKind::kTemperature:
+      return sample.temperature.value_or(kNaN);
+    default:
+      break;
+  }
   const std::vector<std::string>& others = context.capture->other_columns;
-  const auto column = static_cast<std::size_t>(std::find(others.begin(), others.end(), driver) - others.begin());
+  const auto column = static_cast<std::size_t>(std::find(others.begin(), others.end(), driver.name()) - others.begin());
   return column < sample.other.size() ? sample.other[column] : kNaN;
 }
 
-bool hasDrivers(const std::string& drivers, const SampleContext& context) {
-  if (!std::isnan(driverValue(drivers, context))) return true;
-  std::istringstream words(drivers);
-  bool all = drivers.find(',') != std::string::npos;
-  for (std::string word; all && std::getline(words, word, ',');) all = !std::isnan(driverValue(word, context));
+bool hasDriver(const Driver& driver, const SampleContext& context) {
+  if (driver.kind() != DriverKind::kReadings) return !std::isnan(driverValue(driver, context));
+  std::istringstream words(driver.name());
+  bool all = true;
+  for (std::string word; all && std::getline(words, word, ',');) all = !std::isnan(driverValue(Driver(word), context));
   return all;
 }
 
@@ -207,16 +227,16 @@ Eigen::RowVectorXd pixelWaves(const Eigen::Vector2d& px, const Camera& camera, i
   return waves;
 }
 
-AppliedEffect makeCurve(const std::string& location, const std::string& driver, const CurveRange& range, const Eigen::VectorXd& factors,
+AppliedEffect makeCurve(const Place& place, const Driver& driver, const CurveRange& range, const Eigen::VectorXd& factors,
                         const Cell& cell) {
-  EffectSpec spec{.effect = "unknown", .location = location, .parameters = {}, .driver = driver};
-  const bool lens = location == placeName(PlaceKind::kCameraLens);
+  EffectSpec spec{.effect = kUnknownEffect, .location = place.name(), .parameters = {}, .driver = driver.name()};
+  const bool lens = place.kind == PlaceKind::kCameraLens;
   const auto name = [&](Eigen::Index k) {
     if (lens) {
       const auto [i, j] = pixelOrders(ordersOf(factors.size() / 2))[static_cast<std::size_t>(k / 2)];
       return fmt::format("{}_{}_{}", k % 2 == 0 ? "u" : "v", i, j);
     }
-    if (location.starts_with(placeName(PlaceKind::kJoint))) return fmt::format("c{}", k + 1);
+    if (place.kind == PlaceKind::kJoint) return fmt::format("c{}", k + 1);
     const Eigen::Index count = factors.size() / static_cast<Eigen::Index>(kAxes.size());
     return fmt::format("{}{}", kAxes[static_cast<std::size_t>(k / count)], k % count + 1);
   };
@@ -228,9 +248,9 @@ AppliedEffect makeCurve(const std::string& location, const std::string& driver, 
   return makeEffect(spec, cell);
 }
 
-AppliedEffect makeAngleWaves(const std::string& location, const std::vector<AngleWave>& waves, const Eigen::VectorXd& factors,
-                             const Cell& cell) {
-  EffectSpec spec{.effect = "unknown", .location = location, .parameters = {}, .driver = driversOf(waves)};
+AppliedEffect makeAngleWaves(std::size_t joint, const std::vector<AngleWave>& waves, const Eigen::VectorXd& factors, const Cell& cell) {
+  EffectSpec spec{
+      .effect = kUnknownEffect, .location = Place{PlaceKind::kJoint, joint}.name(), .parameters = {}, .driver = driversOf(waves)};
   for (std::size_t k = 0; k < waves.size(); ++k) {
     spec.parameters[cosineName(waves[k])] = factors(2 * static_cast<Eigen::Index>(k));
     spec.parameters[sineName(waves[k])] = factors(2 * static_cast<Eigen::Index>(k) + 1);
@@ -240,13 +260,12 @@ AppliedEffect makeAngleWaves(const std::string& location, const std::vector<Angl
 
 namespace kinds {
 
-const EffectKind* unknownAt(const std::string& location) {
+const EffectKind* unknownAt(PlaceKind place) {
   static const std::array<EffectKind, 4> all = {unknown(PlaceKind::kJoint, bendJoint, jointParameters),
                                                 unknown(PlaceKind::kCameraMount, bendMount<&Disturbance::mount>, mountParameters),
                                                 unknown(PlaceKind::kTargetMount, bendMount<&Disturbance::grip>, mountParameters),
                                                 unknown(PlaceKind::kCameraLens, bendLens, lensParameters)};
-  const auto kind =
-      std::find_if(all.begin(), all.end(), [&location](const EffectKind& k) { return location.starts_with(placeName(k.place)); });
+  const auto kind = std::find_if(all.begin(), all.end(), [place](const EffectKind& k) { return k.place == place; });
   return kind == all.end() ? nullptr : &*kind;
 }
 

@@ -15,10 +15,10 @@ namespace poecal {
 
 /// Value of a driver in one sample: "q3" [rad, m], "tau2" [N m], "stamp" [s], "temperature" [degC], or a further column of the samples by
 /// its name; NaN where the sample does not have it.
-double driverValue(const std::string& driver, const SampleContext& context);
+double driverValue(const Driver& driver, const SampleContext& context);
 
 /// Whether a sample has all that a curve follows: its driver, or each of "q1,q3".
-bool hasDrivers(const std::string& drivers, const SampleContext& context);
+bool hasDriver(const Driver& driver, const SampleContext& context);
 
 /// A curve of a driver between two of its values: sum over j = 1 .. count of c_j cos(pi j x), x = (value - low) / (high - low), which stays
 /// as it is at the ends beyond them.
@@ -39,18 +39,18 @@ std::vector<std::pair<int, int>> pixelOrders(int orders);
 /// @param factors  joint: c1, c2, ... [rad, m]; mounts: those of rx, then ry, rz, tx, ty, tz [rad, m]; lens: u and v of each pixel wave
 /// [px].
 /// @throws InvalidArgument: no such place.
-AppliedEffect makeCurve(const std::string& location, const std::string& driver, const CurveRange& range, const Eigen::VectorXd& factors,
+AppliedEffect makeCurve(const Place& place, const Driver& driver, const CurveRange& range, const Eigen::VectorXd& factors,
                         const Cell& cell);
 
 /// The effect `unknown` at a joint's reading as waves of several angles, sum of a cos(n.q) + b sin(n.q).
-/// @param waves  ascending, each once. @param factors  a, b of each [rad, m]. @throws InvalidArgument: no such joint.
-AppliedEffect makeAngleWaves(const std::string& location, const std::vector<AngleWave>& waves, const Eigen::VectorXd& factors,
-                             const Cell& cell);
+/// @param joint  index from 0. @param waves  ascending, each once. @param factors  a, b of each [rad, m]. @throws InvalidArgument: no such
+/// joint.
+AppliedEffect makeAngleWaves(std::size_t joint, const std::vector<AngleWave>& waves, const Eigen::VectorXd& factors, const Cell& cell);
 
 namespace kinds {
 
-/// The kind `unknown` at the place that a location names, nullptr where it cannot be there. It stands in no table of candidates.
-const EffectKind* unknownAt(const std::string& location);
+/// The kind `unknown` at a place, nullptr where it cannot be there. It stands in no table of candidates.
+const EffectKind* unknownAt(PlaceKind place);
 
 }  // namespace kinds
 }  // namespace poecal

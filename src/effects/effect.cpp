@@ -10,40 +10,9 @@
 
 namespace poecal {
 
-const char* placeName(PlaceKind kind) {
-  switch (kind) {
-    case PlaceKind::kJoint:
-      return "joint";
-    case PlaceKind::kLink:
-      return "link";
-    case PlaceKind::kBase:
-      return "base";
-    case PlaceKind::kCameraMount:
-      return "camera.mount";
-    case PlaceKind::kCameraLens:
-      return "camera.lens";
-    case PlaceKind::kCameraShutter:
-      return "camera.shutter";
-    case PlaceKind::kTargetShape:
-      return "target.shape";
-    case PlaceKind::kTargetMount:
-      return "target.mount";
-    case PlaceKind::kTiming:
-      return "timing";
-    case PlaceKind::kDetector:
-      return "detector";
-    case PlaceKind::kSamples:
-      return "samples";
-  }
-  return "";
-}
-
 const std::string& Effect::name() const { return kind_->name; }
 
-std::string Effect::location() const {
-  const bool numbered = kind_->place == PlaceKind::kJoint || kind_->place == PlaceKind::kLink;
-  return numbered ? fmt::format("{}:{}", placeName(kind_->place), index_ + 1) : placeName(kind_->place);
-}
+Place Effect::place() const { return {kind_->place, index_}; }
 
 Eigen::Index Effect::parameterIndex(const std::string& name) const {
   std::vector<std::string> names;
@@ -56,7 +25,7 @@ Eigen::Index Effect::parameterIndex(const std::string& name) const {
 
 void Effect::addDerivative(Eigen::Index i, const Eigen::VectorXd& parameters, const SampleContext& context, double amount,
                            Disturbance& disturbance) const {
-  if (kind_->add_derivative == nullptr || parameters_[static_cast<std::size_t>(i)].role == ParameterRole::kFixed) return;
+  if (kind_->add_derivative == nullptr || isFixed(parameters_[static_cast<std::size_t>(i)].role)) return;
   kind_->add_derivative(*this, i, parameters, context, amount, disturbance);
 }
 
@@ -74,7 +43,7 @@ void Effect::disturbAtRandom(const Eigen::VectorXd& parameters, const SampleCont
 }
 
 EffectSpec Effect::spec(const Eigen::VectorXd& parameters) const {
-  EffectSpec spec{.effect = name(), .location = location(), .parameters = {}, .driver = driver_};
+  EffectSpec spec{.effect = name(), .location = location(), .parameters = {}, .driver = driver_.name()};
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     const double value = parameters(static_cast<Eigen::Index>(i));
     if (!std::isnan(value)) spec.parameters[parameters_[i].name] = value;

@@ -69,7 +69,7 @@ std::string effectsYaml(const std::vector<AppliedEffect>& effects) {
   for (const AppliedEffect& applied : effects) {
     const Effect& effect = applied.effect;
     text += fmt::format("- {{effect: {}, location: {}, driver: {}, parameters: {}, units: {}", effect.name(), yamlText(effect.location()),
-                        yamlText(effect.driver()), namedNumbers(effect, applied.parameters), namedUnits(effect));
+                        yamlText(effect.driver().name()), namedNumbers(effect, applied.parameters), namedUnits(effect));
     if (applied.standard_deviation.size() > 0) text += ", standard_deviation: " + namedNumbers(effect, applied.standard_deviation);
     text += "}\n";
   }

@@ -19,7 +19,7 @@ EffectKind jointCoupling() {
   kind.place = PlaceKind::kJoint;
   kind.reach = Reach::kJoint;
   kind.drivers = {"qJ"};
-  kind.parameters = {{"source", "", 0.0, ParameterRole::kFixed}, {"ratio", "", 1e-3}};
+  kind.parameters = {{"source", "", 0.0, ParameterRole::kSource}, {"ratio", "", 1e-3}};
   kind.needs = {Need::kJoints};
   kind.meaning = "another joint's motion leaks into this one";
   kind.formula = "d_K = ratio q_source";

@@ -25,7 +25,7 @@ EffectKind jointHarmonic() {
   kind.place = PlaceKind::kJoint;
   kind.reach = Reach::kJoint;
   kind.drivers = {"qK"};
-  kind.parameters = {{"order", "", 0.0, ParameterRole::kScanned}, {"sine", "rad", 2e-4}, {"cosine", "rad", 2e-4}};
+  kind.parameters = {{"order", "", 0.0, ParameterRole::kOrder}, {"sine", "rad", 2e-4}, {"cosine", "rad", 2e-4}};
   kind.needs = {Need::kJoints, Need::kRevolute};
   kind.meaning = "the transmission errs several times a turn";
   kind.formula = "d_K = sine sin(order q_K) + cosine cos(order q_K), order >= 2";

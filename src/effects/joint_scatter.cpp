@@ -17,7 +17,7 @@ EffectKind jointScatter() {
   kind.place = PlaceKind::kJoint;
   kind.reach = Reach::kJoint;
   kind.drivers = {"none"};
-  kind.parameters = {{"sigma", "rad", 2e-4, ParameterRole::kFixed}, {"seed", "", 0.0, ParameterRole::kFixed}};
+  kind.parameters = {{"sigma", "rad", 2e-4, ParameterRole::kSpread}, {"seed", "", 0.0, ParameterRole::kSeed}};
   kind.needs = {Need::kJoints};
   kind.meaning = "the joint comes to rest at random beyond its repeatability";
   kind.formula = "d_K = sigma n, n standard normal and new at each sample";

@@ -18,7 +18,7 @@ EffectKind jointSlip() {
   kind.place = PlaceKind::kJoint;
   kind.reach = Reach::kJoint;
   kind.drivers = {"stamp"};
-  kind.parameters = {{"time", "s", 0.0, ParameterRole::kScanned}, {"offset", "rad", 1e-3}};
+  kind.parameters = {{"time", "s", 0.0, ParameterRole::kTime}, {"offset", "rad", 1e-3}};
   kind.needs = {Need::kJoints, Need::kStamp};
   kind.meaning = "the joint's zero moved at some time";
   kind.formula = "d_K = offset where stamp >= time";

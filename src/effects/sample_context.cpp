@@ -99,10 +99,10 @@ void addPoints(const CaptureContext& capture, const std::vector<TargetPoint>& po
 
 }  // namespace
 
-double SampleContext::elapsed(const std::string& driver, double reference) const {
+double SampleContext::elapsed(DriverKind driver, double reference) const {
   const auto since = [reference](double first) { return std::isnan(reference) ? first : reference; };
-  if (driver == "stamp") return (sample.stamp.value_or(kNaN) - since(capture->first_stamp)) / kSecondsInAnHour;
-  if (driver == "temperature") return sample.temperature.value_or(kNaN) - since(capture->first_temperature);
+  if (driver == DriverKind::kStamp) return (sample.stamp.value_or(kNaN) - since(capture->first_stamp)) / kSecondsInAnHour;
+  if (driver == DriverKind::kTemperature) return sample.temperature.value_or(kNaN) - since(capture->first_temperature);
   return kNaN;
 }
 

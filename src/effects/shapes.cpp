@@ -27,7 +27,7 @@ std::vector<EffectParameter> twistParameters(double rotation, double translation
 
 std::vector<EffectParameter> slipParameters(double rotation, double translation) {
   std::vector<EffectParameter> parameters = twistParameters(rotation, translation, "");
-  parameters.insert(parameters.begin(), {"time", "s", 0.0, ParameterRole::kScanned});
+  parameters.insert(parameters.begin(), {"time", "s", 0.0, ParameterRole::kTime});
   return parameters;
 }
 
@@ -35,10 +35,10 @@ MassTerm massTerm(const Effect& effect, Eigen::Index i, const SampleContext& con
   return MassLayout(effect.index(), armOf(context).joints.size())[i];
 }
 
-EffectParameter driftReference() { return {"reference", "t", 0.0, ParameterRole::kFixed}; }
+EffectParameter driftReference() { return {"reference", "t", 0.0, ParameterRole::kReference}; }
 
 double drifted(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context) {
-  return context.elapsed(effect.driver(), parameters(parameters.size() - 1));
+  return context.elapsed(effect.driver().kind(), parameters(parameters.size() - 1));
 }
 
 double hasHappened(const SampleContext& context, double time) { return context.sample.stamp && *context.sample.stamp >= time ? 1.0 : 0.0; }

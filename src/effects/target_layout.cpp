@@ -20,7 +20,7 @@ EffectKind targetLayout() {
   kind.name = "target_layout";
   kind.place = PlaceKind::kTargetShape;
   kind.drivers = {"none"};
-  kind.parameters = {{"tag", "", 0.0, ParameterRole::kFixed}, {"dx", "m", 5e-4}, {"dy", "m", 5e-4}};
+  kind.parameters = {{"tag", "", 0.0, ParameterRole::kTag}, {"dx", "m", 5e-4}, {"dy", "m", 5e-4}};
   kind.needs = {Need::kCamera, Need::kSeveralTags};
   kind.meaning = "a tag or point is not placed as said";
   kind.formula = "points of the tag move by (dx, dy, 0) in target";

@@ -78,8 +78,8 @@ Eigen::VectorXd drawPose(const Scene& scene, const std::vector<JointLimits>& ran
 void addDrivers(const Scene& scene, SampleTable& table) {
   bool moves = false, warms = false;
   for (const AppliedEffect& applied : scene.effects) {
-    moves = moves || applied.effect.driver() == "dq";
-    warms = warms || applied.effect.driver() == "temperature";
+    moves = moves || applied.effect.driver().kind() == DriverKind::kVelocity;
+    warms = warms || applied.effect.driver().kind() == DriverKind::kTemperature;
   }
   Rng rng(scene.seed, streamOf(Purpose::kDrivers));
   const auto rows = static_cast<double>(table.samples.size());

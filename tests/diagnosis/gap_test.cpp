@@ -60,8 +60,7 @@ TEST(Gap, OfPosesWithoutRepeatsOrDeviationsSubtractsNoNoise) {
   test::measurePoses(small, 0, nothing, kPosition);
   const Diagnosis diagnosis = small.diagnosis();
   expectNoiseBelowEveryStage(diagnosis);
-  EXPECT_FALSE(diagnosis.noise_known);
-  EXPECT_THAT(diagnosis.noise_source, HasSubstr("not known"));
+  EXPECT_EQ(diagnosis.noise_source, NoiseSource::kUnknown);
   EXPECT_EQ(diagnosis.noise_rms, 0.0);
   EXPECT_NEAR(diagnosis.noise_bounds.second, std::sqrt(3.0) * kPosition, 0.2 * std::sqrt(3.0) * kPosition);
   EXPECT_THAT(diagnosisText(diagnosis, small.samples), HasSubstr("noise not known: no repeats, no stated deviation"));
@@ -84,7 +83,7 @@ TEST(Gap, OfPosesTakenTwiceHasTheNoiseOfTheRepeats) {
   constexpr double kPosition = 2e-5;
   test::measurePoses(small, 0, waves, kPosition);
   const Diagnosis diagnosis = small.diagnosis();
-  EXPECT_EQ(diagnosis.noise_source, "repeats");
+  EXPECT_EQ(diagnosis.noise_source, NoiseSource::kRepeats);
   // 120 numbers.
   EXPECT_NEAR(diagnosis.noise_rms, std::sqrt(3.0) * kPosition, 0.2 * std::sqrt(3.0) * kPosition);
   expectNoiseBelowEveryStage(diagnosis);

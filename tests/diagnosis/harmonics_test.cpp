@@ -61,7 +61,9 @@ TEST(Waves, TheFirstIsTheOneThatWholeMatricesPutFirst) {
   const Fitted made = fitted(test::smallCell(3, 60, kSigma, {waveAtJointOne(6e-4)}));
   const WaveDictionary dictionary(*made.measured.start.arm, made.measured.samples);
   const std::vector<Candidate> found = waveCandidates(made.measured, made.linear, dictionary, 1);
-  const auto first = std::find_if(found.begin(), found.end(), [](const Candidate& each) { return each.location == "joint:1"; });
+  const auto first = std::find_if(found.begin(), found.end(), [](const Candidate& each) {
+    return each.place == Place{PlaceKind::kJoint, 0};
+  });
   ASSERT_NE(first, found.end());
   ASSERT_THAT(first->curve->terms, SizeIs(1));
   std::vector<Candidate> all;

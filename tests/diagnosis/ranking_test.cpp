@@ -35,7 +35,7 @@ TEST(Refit, ComesToRestWhereTheRowsAreServedBest) {
 
 double weightOf(const Ranking& ranking, const std::string& name, const std::string& location) {
   const auto found = std::find_if(ranking.answers.begin(), ranking.answers.end(),
-                                  [&](const RankedAnswer& each) { return each.name == name && each.location == location; });
+                                  [&](const RankedAnswer& each) { return each.name == name && each.place.name() == location; });
   return found == ranking.answers.end() ? -1e9 : found->log_weight;
 }
 

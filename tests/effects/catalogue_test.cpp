@@ -41,7 +41,7 @@ TEST(Catalogue, EveryKindExplainsItself) {
     for (const std::string& text : {kind.meaning, kind.formula, kind.separate, kind.remedy}) EXPECT_THAT(text, Not(IsEmpty())) << kind.name;
     for (const std::string& other : kind.confused_with) EXPECT_NE(findEffectKind(other), nullptr) << kind.name << " names " << other;
     for (const EffectParameter& parameter : kind.parameters) {
-      const bool has_size = parameter.role == ParameterRole::kLinear || (kind.add_draw != nullptr && parameter.name != "seed");
+      const bool has_size = parameter.role == ParameterRole::kLinear || parameter.role == ParameterRole::kSpread;
       EXPECT_EQ(parameter.typical > 0.0, has_size) << kind.name << " " << parameter.name;
     }
   }
@@ -93,7 +93,7 @@ TEST(MakeEffect, KnowsItsPlaceDriverAndUnits) {
   const test::RichCell rich = test::richCell(rng);
   const AppliedEffect coupling = test::effectOf(rich, "joint_coupling", "joint:2", {{"source", 5.0}, {"ratio", 2e-3}});
   EXPECT_EQ(coupling.effect.location(), "joint:2");
-  EXPECT_EQ(coupling.effect.driver(), "q5");
+  EXPECT_EQ(coupling.effect.driver().name(), "q5");
   EXPECT_THAT(coupling.parameters, test::IsNear(Eigen::Vector2d(5.0, 2e-3), 0.0));
   EXPECT_EQ(test::effectOf(rich, "joint_drift", "joint:1", {}).effect.parameters().front().unit, "rad/h");
   EXPECT_EQ(test::effectOf(rich, "joint_drift", "joint:4", {}, "temperature").effect.parameters().front().unit, "m/K") << "joint 4 slides";

@@ -30,7 +30,7 @@ TEST(Curve, WavesAreCosinesThatStayAsTheyAreBeyondTheRange) {
 class CurveAt : public ::testing::Test {
  protected:
   Disturbance of(const std::string& location, const std::string& driver, const Eigen::VectorXd& factors) const {
-    const AppliedEffect curve = makeCurve(location, driver, kRange, factors, rich_.cell);
+    const AppliedEffect curve = makeCurve(*Place::of(location), Driver(driver), kRange, factors, rich_.cell);
     return disturbanceOf({curve}, context_);
   }
 
@@ -76,7 +76,7 @@ TEST_F(CurveAt, AFurtherColumnIsFoundByItsName) {
   std::vector<Sample> samples = rich_.samples;
   for (Sample& sample : samples) sample.other = {7.0, 0.25};
   const Eigen::VectorXd factors = test::uniformVector(rng_, 3, 1e-3);
-  const AppliedEffect curve = makeCurve("joint:1", "load", kRange, factors, rich_.cell);
+  const AppliedEffect curve = makeCurve({PlaceKind::kJoint, 0}, Driver("load"), kRange, factors, rich_.cell);
   const auto disturbances = [&](const std::vector<std::string>& columns) {
     return disturbancesOf({curve}, rich_.cell, rich_.target, rich_.capture->gravity, samples, false, columns);
   };
@@ -92,7 +92,7 @@ TEST_F(CurveAt, AFurtherColumnIsFoundByItsName) {
 TEST_F(CurveAt, ItsSpecMakesItAgain) {
   for (const auto& [location, driver, count] :
        {std::tuple("joint:2", "q2", 14), {"camera.mount", "stamp", 84}, {"target.mount", "stamp", 6}, {"camera.lens", "pixel", 54}}) {
-    const AppliedEffect curve = makeCurve(location, driver, kRange, test::uniformVector(rng_, count, 1e-3), rich_.cell);
+    const AppliedEffect curve = makeCurve(*Place::of(location), Driver(driver), kRange, test::uniformVector(rng_, count, 1e-3), rich_.cell);
     const AppliedEffect again = makeEffect(curve.effect.spec(curve.parameters), rich_.cell);
     EXPECT_EQ(again.parameters, curve.parameters) << location;
   }
@@ -134,8 +134,8 @@ TEST(AngleWave, NamesReadBack) {
 TEST_F(CurveAt, AJointFollowsWavesOfSeveralAngles) {
   const std::vector<AngleWave> waves{{{0, 3.0}, {2, 2.0}, {4, -4.0}}, {{1, 1.0}, {2, -1.0}}};
   const Eigen::VectorXd factors = test::uniformVector(rng_, 4, 1e-3);
-  const AppliedEffect made = makeAngleWaves("joint:2", waves, factors, rich_.cell);
-  EXPECT_EQ(made.effect.driver(), "q1,q2,q3,q5");
+  const AppliedEffect made = makeAngleWaves(1, waves, factors, rich_.cell);
+  EXPECT_EQ(made.effect.driver().name(), "q1,q2,q3,q5");
   const Eigen::VectorXd& q = context_.sample.q;
   const double first = 3.0 * q(0) + 2.0 * q(2) - 4.0 * q(4), second = q(1) - q(2);
   Eigen::VectorXd expected = Eigen::VectorXd::Zero(q.size());
@@ -146,8 +146,8 @@ TEST_F(CurveAt, AJointFollowsWavesOfSeveralAngles) {
   EXPECT_EQ(again.parameters, made.parameters);
   EXPECT_THAT(disturbancesOf({again}, rich_.cell, rich_.target, rich_.capture->gravity, rich_.samples)[1].joints,
               test::IsNear(expected, kRounding));
-  EXPECT_TRUE(hasDrivers(made.effect.driver(), context_));
-  EXPECT_FALSE(hasDrivers("q1,q9", context_));
+  EXPECT_TRUE(hasDriver(made.effect.driver(), context_));
+  EXPECT_FALSE(hasDriver(Driver("q1,q9"), context_));
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST_P(EffectDerivative, MatchesCentralDifferencesOfWhatIsAdded) {
     for (Eigen::Index i = 0; i < parameters.size(); ++i) {
       const EffectParameter& parameter = effect.parameters()[static_cast<std::size_t>(i)];
       if (parameter.role == ParameterRole::kLinear) parameters(i) = rng.uniform(-1.0, 1.0);
-      if (parameter.name == "order") parameters(i) = 2.7;
+      if (parameter.role == ParameterRole::kOrder) parameters(i) = 2.7;
       if (parameter.name == "time") parameters(i) = *context.sample.stamp - 10.0;
     }
     const auto added = [&](const Eigen::VectorXd& values) {
@@ -50,7 +50,7 @@ TEST_P(EffectDerivative, MatchesCentralDifferencesOfWhatIsAdded) {
     };
     bool moves_something = effect.kind().add_draw != nullptr;
     for (Eigen::Index i = 0; i < parameters.size(); ++i) {
-      if (effect.parameters()[static_cast<std::size_t>(i)].role == ParameterRole::kFixed) continue;
+      if (isFixed(effect.parameters()[static_cast<std::size_t>(i)].role)) continue;
       const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(parameters.size(), i);
       const Eigen::VectorXd difference = (added(parameters + step) - added(parameters - step)) / (2.0 * kStep);
       Disturbance derivative = Disturbance::zero(rich.cell, context.points.size());
@@ -75,7 +75,7 @@ TEST(Reach, NothingIsMovedBeyondIt) {
     Eigen::VectorXd parameters = effect.start();
     for (Eigen::Index i = 0; i < parameters.size(); ++i) {
       // A time long past, an order, a share of samples: at each of them the effect acts.
-      if (effect.parameters()[static_cast<std::size_t>(i)].role != ParameterRole::kFixed) parameters(i) = 1.5;
+      if (!isFixed(effect.parameters()[static_cast<std::size_t>(i)].role)) parameters(i) = 1.5;
       effect.addDerivative(i, parameters, context, 1.0, disturbance);
     }
     effect.disturbAtRandom(parameters, context, disturbance);

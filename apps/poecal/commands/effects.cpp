@@ -17,15 +17,8 @@ namespace poecal::app {
 namespace {
 
 const char* roleName(ParameterRole role) {
-  switch (role) {
-    case ParameterRole::kLinear:
-      return "linear";
-    case ParameterRole::kScanned:
-      return "scanned";
-    case ParameterRole::kFixed:
-      return "fixed";
-  }
-  return "";
+  if (isScanned(role)) return "scanned";
+  return isFixed(role) ? "fixed" : "linear";
 }
 
 /// "half_gap [rad], typically 0.0002"

@@ -21,6 +21,16 @@ struct DiagnoseOptions {
   int jobs = 1;            ///< candidates weighed at a time (0: one per core); the result does not depend on it
 };
 
+/// What tells how noisy the measuring is.
+enum class NoiseSource {
+  kRepeats,    ///< poses measured again
+  kGiven,      ///< stated deviations
+  kEstimated,  ///< what a target's corners leave beside a free pose of it
+  kUnknown     ///< nothing but what the model leaves
+};
+/// "repeats", "given", "estimated", "not known: no repeats, no stated deviation".
+const char* noiseSourceName(NoiseSource source);
+
 /// One model stage, on poses that its fit did not see.
 struct GapStage {
   std::string stage;    ///< "nominal", "registered", "identified", "identified + joint_gain@joint:2", ...
@@ -101,9 +111,8 @@ struct Diagnosis {
   double tag_sigma = 0.0;       ///< what all corners of a tag share, per axis [px]
   double repeatability = 0.0;   ///< of every joint [rad]
   double rotation_sigma = 0.0;  ///< poses [rad]
-  std::string noise_source;     ///< "repeats", "given", "estimated", or why it is not known
-  bool noise_known = true;      ///< false: nothing but what the model leaves tells of it, and none is subtracted
-  double noise_rms = 0.0;       ///< of a corner's length [px], or a position's [m], as it is subtracted; at most any stage's rms
+  NoiseSource noise_source = NoiseSource::kEstimated;
+  double noise_rms = 0.0;  ///< of a corner's length [px], or a position's [m], as it is subtracted; at most any stage's rms
   /// Least and most that it may be: without repeats, what the arm comes back by and structure finer than the poses resolve look alike.
   std::pair<double, double> noise_bounds{0.0, 0.0};
   double log_odds = 0.0;              ///< of all explanations together against none, before anything was taken up
@@ -126,6 +135,9 @@ struct Diagnosis {
   std::vector<AxisMove> axis_moves;  ///< of the twists, when the findings entered
   std::vector<Explained> explained;  ///< every answer that was weighed, best first, nothing found yet
   Model model;                       ///< with the effects
+
+  /// Otherwise none is subtracted.
+  bool noiseKnown() const { return noise_source != NoiseSource::kUnknown; }
 };
 
 /// Diagnoses what an identification leaves.

@@ -1,6 +1,7 @@
 // The catalogue: every kind of effect, what it is, how to make one, and which of them a capture can tell of.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "poecal/effects/effect.hpp"
 
 namespace poecal {
+
+/// The effect that stands for what nobody listed.
+inline constexpr const char* kUnknownEffect = "unknown";
 
 /// What the samples or the cell must have for an effect to be testable.
 enum class Need { kJoints, kDir, kDq, kStamp, kTemperature, kRevolute, kTags, kSeveralTags, kTangential, kCamera, kMasses };
@@ -44,7 +48,7 @@ struct EffectKind {
   AddDraw add_draw = nullptr;              ///< nullptr: not random
 
   /// Where the parameters depend on which are given (a curve has as many as it has waves): in place of `parameters`.
-  using ParametersOf = std::vector<EffectParameter> (*)(const std::string& driver, const std::map<std::string, double>& given);
+  using ParametersOf = std::vector<EffectParameter> (*)(const Driver& driver, const std::map<std::string, double>& given);
   ParametersOf parameters_of = nullptr;
 
   /// It is a compliance times the load of gravity; see Effect::byMasses.
@@ -53,6 +57,8 @@ struct EffectKind {
   bool moves_points = false;
   /// "joint:K", "camera.lens", ...
   std::string placePattern() const;
+  /// Index of its parameter of that role; nothing where it has none.
+  std::optional<std::size_t> parameterOf(ParameterRole role) const;
 };
 
 /// All kinds, in the order of their table in calib_data/FORMATS.md.

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "poecal/cell/ports.hpp"
+#include "poecal/effects/place.hpp"
 #include "poecal/effects/sample_context.hpp"
 
 namespace poecal {
@@ -23,12 +24,22 @@ struct EffectSpec {
   std::string driver = {};  ///< empty: the first that the kind has
 };
 
-/// What a parameter does to the disturbance.
+/// What a parameter is: how it enters the disturbance, and where its values come from.
 enum class ParameterRole {
-  kLinear,   ///< the disturbance is proportional to it: estimated by linear algebra
-  kScanned,  ///< not linear, tried over a range: time of a slip, order of a harmonic
-  kFixed     ///< says which instance this is: joint that leaks, id of a tag
+  kLinear,     ///< the disturbance is proportional to it: estimated by linear algebra
+  kOrder,      ///< scanned: how many times a turn
+  kTime,       ///< scanned: when it happened [s]
+  kSource,     ///< fixed: number of the joint that leaks
+  kTag,        ///< fixed: id of a tag
+  kReference,  ///< fixed: value of the driver at which a drift is zero; left out: the capture's first
+  kRange,      ///< fixed: end of a curve's driver
+  kSpread,     ///< fixed: size of random draws
+  kSeed        ///< fixed: of random draws; may be left out
 };
+/// Not linear, tried over a range.
+constexpr bool isScanned(ParameterRole role) { return role == ParameterRole::kOrder || role == ParameterRole::kTime; }
+/// Says which instance this is.
+constexpr bool isFixed(ParameterRole role) { return role != ParameterRole::kLinear && !isScanned(role); }
 
 struct EffectParameter {
   std::string name;
@@ -37,36 +48,18 @@ struct EffectParameter {
   ParameterRole role = ParameterRole::kLinear;
 };
 
-/// Kinds of places; `joint:K` and `link:K` count from 1.
-enum class PlaceKind {
-  kJoint,
-  kLink,
-  kBase,
-  kCameraMount,
-  kCameraLens,
-  kCameraShutter,
-  kTargetShape,
-  kTargetMount,
-  kTiming,
-  kDetector,
-  kSamples
-};
-
-/// Name as in model.yaml: "joint", "camera.mount", ...; kJoint and kLink are followed by ":K".
-const char* placeName(PlaceKind kind);
-
 struct EffectKind;
 
 /// One effect at one place. Made by the catalogue.
 class Effect {
  public:
   const std::string& name() const;
-  /// "joint:3", "camera.lens", ...
-  std::string location() const;
+  Place place() const;
+  /// Its name: "joint:3", "camera.lens", ...
+  std::string location() const { return place().name(); }
   /// Index from 0 of the joint or link; 0 where the place has none.
   std::size_t index() const { return index_; }
-  /// What drives it, as named in model.yaml: "q3", "tau3", "stamp", ...
-  const std::string& driver() const { return driver_; }
+  const Driver& driver() const { return driver_; }
   /// It depends on loads whose masses are unknown. Its parameters are then compliance times (m, m com) of each body that the place carries,
   /// named m3, mx3, my3, mz3, and `payload`, the compliance as a known payload shows it; of a link once about each axis across its
   /// joint's, m3_a and m3_b. Together they cover all that gravity can do to an arm of any masses.
@@ -96,13 +89,13 @@ class Effect {
   EffectSpec spec(const Eigen::VectorXd& parameters) const;
 
  private:
-  friend Effect instantiate(const EffectKind& kind, std::size_t index, const std::string& driver,
+  friend Effect instantiate(const EffectKind& kind, std::size_t index, const Driver& driver,
                             const std::map<std::string, double>& parameters, const Cell& cell);
   Effect() = default;
 
   const EffectKind* kind_ = nullptr;
   std::size_t index_ = 0;
-  std::string driver_;
+  Driver driver_;
   bool by_masses_ = false;
   std::vector<EffectParameter> parameters_;
   Eigen::VectorXd start_;

@@ -11,6 +11,7 @@
 
 #include "poecal/capture/capture.hpp"
 #include "poecal/cell/cell.hpp"
+#include "poecal/effects/place.hpp"
 #include "poecal/geometry/se3.hpp"
 #include "poecal/target/target.hpp"
 
@@ -54,9 +55,9 @@ struct SampleContext {
   Matrix6Xd joint_twists;  ///< spaceJacobian there
   std::vector<PointContext> points;
 
-  /// Hours since a stamp, or kelvin above a temperature, by what drives the effect ("stamp", "temperature"); NaN where the sample has no
+  /// Hours since a stamp, or kelvin above a temperature, by what drives the effect (kStamp, kTemperature); NaN where the sample has no
   /// such value. @param reference  NaN: the first of the capture.
-  double elapsed(const std::string& driver, double reference) const;
+  double elapsed(DriverKind driver, double reference) const;
 
   /// Column c of the wrench above as joint k (from 0) takes it: its torque, and the moment that it carries about its anchor, in the frame
   /// of body k. Zero for bodies before the joint.

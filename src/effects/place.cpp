@@ -1,0 +1,96 @@
+#include "poecal/effects/place.hpp"
+
+#include <array>
+#include <charconv>
+
+#include <fmt/format.h>
+
+namespace poecal {
+namespace {
+
+/// Index from 0 of "q3" for the prefix "q"; nothing where `word` is no such word.
+std::optional<std::size_t> indexAfter(const std::string& word, const std::string& prefix) {
+  if (!word.starts_with(prefix)) return {};
+  std::size_t number = 0;
+  const char* end = word.data() + word.size();
+  const auto [rest, status] = std::from_chars(word.data() + prefix.size(), end, number);
+  return status == std::errc() && rest == end && number > 0 ? std::optional(number - 1) : std::nullopt;
+}
+
+constexpr std::array<std::pair<const char*, DriverKind>, 6> kWords = {{{"dq", DriverKind::kVelocity},
+                                                                       {"gravity", DriverKind::kGravity},
+                                                                       {"stamp", DriverKind::kStamp},
+                                                                       {"temperature", DriverKind::kTemperature},
+                                                                       {"pixel", DriverKind::kPixel},
+                                                                       {"none", DriverKind::kNone}}};
+constexpr std::array<std::pair<const char*, DriverKind>, 3> kNumbered = {
+    {{"q", DriverKind::kReading}, {"tau", DriverKind::kTorque}, {"dir", DriverKind::kDirection}}};
+
+}  // namespace
+
+const char* placeName(PlaceKind kind) {
+  switch (kind) {
+    case PlaceKind::kJoint:
+      return "joint";
+    case PlaceKind::kLink:
+      return "link";
+    case PlaceKind::kBase:
+      return "base";
+    case PlaceKind::kCameraMount:
+      return "camera.mount";
+    case PlaceKind::kCameraLens:
+      return "camera.lens";
+    case PlaceKind::kCameraShutter:
+      return "camera.shutter";
+    case PlaceKind::kTargetShape:
+      return "target.shape";
+    case PlaceKind::kTargetMount:
+      return "target.mount";
+    case PlaceKind::kTiming:
+      return "timing";
+    case PlaceKind::kDetector:
+      return "detector";
+    case PlaceKind::kSamples:
+      return "samples";
+  }
+  return "";
+}
+
+bool isNumbered(PlaceKind kind) { return kind == PlaceKind::kJoint || kind == PlaceKind::kLink; }
+
+std::string Place::name() const { return isNumbered(kind) ? fmt::format("{}:{}", placeName(kind), index + 1) : placeName(kind); }
+
+std::optional<Place> Place::of(const std::string& name) {
+  for (int number = 0; number <= static_cast<int>(PlaceKind::kSamples); ++number) {
+    const auto kind = static_cast<PlaceKind>(number);
+    if (!isNumbered(kind) && name == placeName(kind)) return Place{kind, 0};
+    if (!isNumbered(kind)) continue;
+    if (const auto index = indexAfter(name, std::string(placeName(kind)) + ":")) return Place{kind, *index};
+  }
+  return {};
+}
+
+Driver::Driver(std::string name) : name_(std::move(name)) {
+  if (name_.empty()) return;
+  for (const auto& [word, kind] : kWords) {
+    if (name_ != word) continue;
+    kind_ = kind;
+    return;
+  }
+  for (const auto& [prefix, kind] : kNumbered) {
+    const std::optional<std::size_t> index = indexAfter(name_, prefix);
+    if (!index) continue;
+    kind_ = kind;
+    joint_ = *index;
+    return;
+  }
+  bool readings = name_.find(',') != std::string::npos;
+  for (std::size_t begin = 0; readings && begin <= name_.size();) {
+    const std::size_t end = std::min(name_.find(',', begin), name_.size());
+    readings = indexAfter(name_.substr(begin, end - begin), "q").has_value();
+    begin = end + 1;
+  }
+  kind_ = readings ? DriverKind::kReadings : DriverKind::kColumn;
+}
+
+}  // namespace poecal
