@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "diagnosis/refit.hpp"
@@ -128,7 +129,7 @@ class Selector {
     if (unknown_before) needed += kSearch.beside_unknown + kSearch.unknown_misfit * explained();
     // Explanations that are hard to tell apart speak together for there being something.
     if (!((first ? ranking.log_total : answer.log_weight) > needed)) return false;
-    if (answer.scatter && takeStructureBeside(answer)) return true;
+    if (answer.scatter && takeStructureBeside(ranking, answer)) return true;
     take(ranking, chosen);
     if (!limits_.curves) return true;
     const double left = structureLeftAt(answer);
@@ -142,6 +143,33 @@ class Selector {
     }
     growWaves();
     return true;
+  }
+
+  /// Structure that was found beside a harmonic of the same angle is one cause with it: what stands for both takes the place of both.
+  void joinHarmonic() {
+    const FoundEffect& last = selection_.findings.back();
+    if (!last.isUnknown() || last.place.kind != PlaceKind::kJoint) return;
+    const auto same_angle = [&last](const FoundEffect& found) {
+      return found.accepted && found.accepted->candidate.known() && found.place == last.place && found.driver == last.driver &&
+             found.accepted->candidate.effect->kind().parameterOf(ParameterRole::kOrder);
+    };
+    const auto harmonic = std::find_if(selection_.findings.begin(), selection_.findings.end(), same_angle);
+    if (harmonic == selection_.findings.end()) return;
+    const Place place = last.place;
+    const Driver driver = last.driver;
+    const std::vector<FoundEffect> before = selection_.findings;
+    selection_.findings.erase(harmonic);
+    selection_.findings.pop_back();
+    refitAll();
+    const Ranking ranking = ranked(linear_);
+    for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
+      const RankedAnswer& answer = ranking.answers[i];
+      if (!answer.candidate || answer.candidate->known() || answer.place != place || answer.driver != driver) continue;
+      take(ranking, i);
+      return;
+    }
+    selection_.findings = before;
+    refitAll();
   }
 
   /// Further waves at the joints at which there are some: with those in, the noise is less and more of them show.
@@ -172,8 +200,8 @@ class Selector {
   }
 
   /// A joint that moves at random is what is left when all that follows its pose is known: what can still be told beside it comes first.
-  /// @return whether there was any, which is taken in its place.
-  bool takeStructureBeside(const RankedAnswer& scatter) {
+  /// @param without  the ranking in which it is the best. @return whether there was any, which is taken in its place.
+  bool takeStructureBeside(const Ranking& without, const RankedAnswer& scatter) {
     selection_.findings.push_back(finding(scatter));
     refitAll();
     Ranking beside = ranked(linear_);
@@ -184,9 +212,30 @@ class Selector {
       refitAll();
       return false;
     }
-    take(beside, chosen);
+    if (const std::optional<std::size_t> more = curveThatStandsForBoth(without, beside.answers[chosen], scatter)) {
+      take(without, *more);
+    } else {
+      take(beside, chosen);
+    }
     growWaves();
     return true;
+  }
+
+  /// What is driven by its joint's own angle and has more waves than the effect with a name, a saw, leaves its higher waves behind, which
+  /// then look random. @return of the answers beside which nothing moves at random, the curve at the joint that serves better than the
+  /// named one there does.
+  static std::optional<std::size_t> curveThatStandsForBoth(const Ranking& without, const RankedAnswer& named, const RankedAnswer& scatter) {
+    if (!named.candidate || !named.candidate->known() || named.place != scatter.place) return {};
+    std::optional<std::size_t> curve;
+    double of_named = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < without.answers.size(); ++i) {
+      const RankedAnswer& answer = without.answers[i];
+      if (!answer.candidate || answer.place != named.place || answer.driver != named.driver) continue;
+      if (answer.name == named.name) of_named = std::max(of_named, answer.log_weight);
+      if (!answer.candidate->known() && !curve) curve = i;
+    }
+    if (!curve || !(without.answers[*curve].log_weight > of_named + kSearch.structure)) return {};
+    return curve;
   }
 
   void take(const Ranking& ranking, std::size_t chosen) {
@@ -195,6 +244,7 @@ class Selector {
     std::swap(found.ranking.answers[0], found.ranking.answers[chosen]);
     selection_.findings.push_back(std::move(found));
     refitAll();
+    joinHarmonic();
   }
 
   /// Log of the odds that a curve at a named effect's place still finds something with the effect in; 0 where there is nothing to say.

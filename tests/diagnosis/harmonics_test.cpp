@@ -118,6 +118,25 @@ TEST(Waves, OfThreeJointsAreToldThereAndServePosesThatNobodySaw) {
   EXPECT_LT(std::pow(whole.rmsOf(diagnosis.model, kSeen), 2) - noise, 0.2 * (std::pow(whole.rmsOf(without, kSeen), 2) - noise));
 }
 
+// A saw's first wave looks like joint_harmonic and its higher ones like chance, but it has one cause.
+class Saw : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(Saw, IsOneFinding) {
+  constexpr double kPeriod = 0.29, kSize = 7e-4;  // [rad]
+  EffectSpec saw{.effect = "unknown", .location = "joint:1", .parameters = {}, .driver = "q1"};
+  for (int order = 1; order <= 8; ++order) {
+    saw.parameters[sineName({{0, std::round(1e3 * order * 2.0 * M_PI / kPeriod) / 1e3}})] = kSize / order;
+  }
+  const Diagnosis diagnosis = test::smallCell(GetParam(), 80, kSigma, {saw}).diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1)) << diagnosisText(diagnosis, {});
+  EXPECT_EQ(diagnosis.findings.front().location, "joint:1");
+  EXPECT_EQ(diagnosis.findings.front().effect, "unknown");
+  EXPECT_EQ(diagnosis.findings.front().driver, "q1");
+  EXPECT_LT(diagnosis.findings.front().probability, 0.99) << "without repeats the rest may be chance";
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Saw, ::testing::Values(31, 32, 33, 34));
+
 // A name that does the work of several waves is the answer.
 TEST(Waves, StandBackWhereANamedEffectServes) {
   const Diagnosis diagnosis = test::smallCell(7, 80, kSigma, {{"joint_compliance", "joint:3", {{"compliance", 6e-5}}}}).diagnosis();
