@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "cell/sight.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/random.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/simulation/simulate.hpp"
-#include "simulation/sight.hpp"
 #include "simulation/streams.hpp"
 #include "simulation/true_cell.hpp"
 
