@@ -1,0 +1,186 @@
+// poecal plan: the next poses worth taking, or a whole first capture.
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "poecal/calibration/outputs.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/planning/plan_files.hpp"
+#include "terminal.hpp"
+
+namespace poecal::app {
+namespace {
+
+struct Arguments {
+  PlanSource source;
+  FirstCapture first;
+  PlanOptions options;
+  bool separate = false;
+  std::vector<std::string> detect;
+  std::filesystem::path out;
+};
+
+constexpr const char* kExample = R"(
+Example:
+  $ poecal plan capture --model out/model.yaml --count 20 --out next.csv
+  next.csv: 20 poses, in an order that makes a short path
+  tool uncertainty now 0.186 mm, 0.339 mrad (1 sigma, mean over the workspace)
+  after these 20 poses 0.110 mm, 0.199 mrad; random visible poses would need 54
+  checked: joint limits, view, straight links of radius 48 mm against camera, line of sight and flange
+  not checked: bent links, cables, grippers, fences and the way between poses; look at them in a simulation first
+)";
+
+std::string toolText(const ToolUncertainty& tool) {
+  return fmt::format("{:.3f} mm, {:.3f} mrad", 1e3 * tool.position, 1e3 * tool.rotation);
+}
+
+std::string randomText(const Plan& plan) {
+  return plan.random_poses ? fmt::format("random visible poses would need {}", *plan.random_poses)
+                           : fmt::format("{} random visible poses do not bring that", plan.random_tried);
+}
+
+std::string summaryText(const Arguments& arguments, const Plan& plan) {
+  std::string text = fmt::format("{}: {} poses, in an order that makes a short path\n", arguments.out.string(), plan.poses.size());
+  text += fmt::format("tool uncertainty now {} (1 sigma, mean over the workspace)\n", toolText(plan.before));
+  text += fmt::format("after these {} poses {}", plan.poses.size(), toolText(plan.after));
+  text += "; " + randomText(plan) + "\n";
+  text += fmt::format("checked: joint limits, view, straight links of radius {:.0f} mm against camera, line of sight and flange{}\n",
+                      1e3 * plan.link_radius, arguments.options.floor ? ", and the floor" : "");
+  text += "not checked: bent links, cables, grippers, fences and the way between poses; look at them in a simulation first\n";
+  return text;
+}
+
+nlohmann::json toolJson(const ToolUncertainty& tool) {
+  return {{"position_mm", 1e3 * tool.position}, {"rotation_mrad", 1e3 * tool.rotation}};
+}
+
+nlohmann::json summaryJson(const Arguments& arguments, const Plan& plan) {
+  nlohmann::json json{{"out", arguments.out.string()},
+                      {"poses", plan.poses.size()},
+                      {"before", toolJson(plan.before)},
+                      {"after", toolJson(plan.after)},
+                      {"random_tried", plan.random_tried},
+                      {"visible", plan.visible},
+                      {"drawn", plan.drawn}};
+  json["random_poses"] = plan.random_poses ? nlohmann::json(*plan.random_poses) : nlohmann::json();
+  return json;
+}
+
+std::vector<std::filesystem::path> inputsOf(const Arguments& arguments) {
+  std::vector<std::filesystem::path> inputs{arguments.source.model,
+                                            arguments.source.capture.intrinsics,
+                                            arguments.source.capture.detections,
+                                            arguments.first.robot,
+                                            arguments.first.camera,
+                                            arguments.first.target,
+                                            arguments.first.registration};
+  if (!arguments.source.capture.folder.empty()) {
+    for (const std::filesystem::path& file : filesOf(readCapture(arguments.source.capture.folder), true)) inputs.push_back(file);
+  }
+  std::erase_if(inputs, [](const std::filesystem::path& file) { return file.empty(); });
+  return inputs;
+}
+
+void requireSource(const Arguments& arguments) {
+  if (arguments.source.capture.folder.empty()) {
+    if (arguments.first.robot.empty()) throw InvalidArgument("plan needs a CAPTURE and --model, or --robot, --camera and --target");
+    if (arguments.first.camera.empty() || arguments.first.target.empty()) throw InvalidArgument("--robot needs --camera and --target");
+  } else if (arguments.source.model.empty()) {
+    throw InvalidArgument("a CAPTURE needs --model");
+  }
+}
+
+int run(Arguments& arguments, const Common& common) {
+  requireSource(arguments);
+  requireOutputs({arguments.out}, inputsOf(arguments));
+  const bool first = arguments.source.capture.folder.empty();
+  const PlanningCell cell = first ? firstCapture(arguments.first) : readPlanningCell(arguments.source);
+  arguments.options.jobs = common.jobs;
+  const Plan plan = planPoses(cell, arguments.options);
+  writeTextFile(arguments.out, planCsv(plan, cell.taken.samples.size()));
+  printSummary(common, summaryText(arguments, plan), summaryJson(arguments, plan));
+  return 0;
+}
+
+void addPoint(CLI::App& app, const std::string& name, std::optional<Eigen::Vector3d>& point, const std::string& help) {
+  app.add_option_function<std::vector<double>>(
+         name, [&point](const std::vector<double>& p) { point = Eigen::Vector3d(p[0], p[1], p[2]); }, help)
+      ->expected(3)
+      ->type_name("X Y Z");
+}
+
+void addPoint(CLI::App& app, const std::string& name, Eigen::Vector3d& point, const std::string& help) {
+  app.add_option_function<std::vector<double>>(
+         name, [&point](const std::vector<double>& p) { point = Eigen::Vector3d(p[0], p[1], p[2]); }, help)
+      ->expected(3)
+      ->type_name("X Y Z");
+}
+
+void addFirstOptions(CLI::App& app, FirstCapture& first, CLI::Option* folder) {
+  CLI::Option* robot = app.add_option("--robot", first.robot, "robot.yaml or URDF: plans a whole first capture")->excludes(folder);
+  app.add_option("--base-link", first.base_link, "Name of the base link, if the robot is a URDF")->needs(robot);
+  app.add_option("--tip-link", first.tip_link, "Name of the flange link, if the robot is a URDF")->needs(robot);
+  app.add_option("--camera", first.camera, "camera.yaml, with --robot")->needs(robot);
+  app.add_option("--target", first.target, "target.yaml, with --robot")->needs(robot);
+  app.add_option_function<std::string>(
+         "--setup",
+         [&first](const std::string& name) { first.setup = name == setupName(Setup::kEyeInHand) ? Setup::kEyeInHand : Setup::kEyeToHand; },
+         "eye_to_hand (default) or eye_in_hand")
+      ->check(CLI::IsMember({setupName(Setup::kEyeToHand), setupName(Setup::kEyeInHand)}));
+  app.add_option("--registration", first.registration, "A registration.yaml that says where camera and target roughly are");
+  addPoint(app, "--camera-at", first.camera_at, "Where the camera roughly is, in base [m]; eye in hand: in flange");
+  addPoint(app, "--look-at", first.look_at, "A point that it looks at, in the same frame [m]");
+  addPoint(app, "--target-at", first.target_at, "The target's centre in flange [m] (default 0 0 0); eye in hand: in base");
+  addPoint(app, "--target-faces", first.target_faces, "Direction that its front faces, in the same frame (default 0 0 1)");
+  app.add_option("--rough-position", first.rough_position, "How well these places are known, 1 sigma [m]")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--rough-rotation", first.rough_rotation, "How well their directions are known, 1 sigma [rad]")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+}
+
+void addPlanOptions(CLI::App& app, PlanOptions& options) {
+  app.add_option("--count", options.count, "Poses to plan")->capture_default_str()->check(CLI::PositiveNumber);
+  app.add_option_function<std::string>(
+         "--criterion", [&options](const std::string& name) { options.criterion = name == "d" ? PlanCriterion::kD : PlanCriterion::kA; },
+         "a (default): least mean variance of the tool's position; d: least volume of the confidence region of all unknowns")
+      ->check(CLI::IsMember({"a", "d"}));
+  app.add_option("--candidates", options.candidates, "Visible random poses to choose from")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "Of the candidates")->capture_default_str();
+  app.add_option("--link-radius", options.link_radius, "Half the thickness of the links [m]; 0: 4 % of the arm's length")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--camera-radius", options.camera_radius,
+                 "Of a ball around the camera that no link enters [m]; eye in hand: around the target")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--floor", options.floor, "Height of the floor above the origin of base [m]; without it no floor is checked");
+}
+
+}  // namespace
+
+std::function<int()> setUpPlan(CLI::App& app, const Common& common) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::Option* folder = app.add_option("CAPTURE", arguments->source.capture.folder, "Capture folder that the model was found from");
+  app.add_option("--model", arguments->source.model, "Its model.yaml")->needs(folder);
+  app.add_option("--intrinsics", arguments->source.capture.intrinsics, "A camera.yaml instead of the capture's")->needs(folder);
+  app.add_option("--detections", arguments->source.capture.detections,
+                 "A detections.csv instead of the capture's, or of that beside the model")
+      ->needs(folder);
+  app.add_option("--out", arguments->out, "The table to write: q1..qn, as samples.csv has it")->required();
+  addPlanOptions(app, arguments->options);
+  addFirstOptions(app, arguments->first, folder);
+  app.footer(kExample);
+  return [arguments, &common] { return run(*arguments, common); };
+}
+
+}  // namespace poecal::app
