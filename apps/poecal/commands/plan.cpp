@@ -1,5 +1,7 @@
 // poecal plan: the next poses worth taking, or a whole first capture.
+#include <cmath>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -45,11 +47,31 @@ std::string randomText(const Plan& plan) {
                            : fmt::format("{} random visible poses do not bring that", plan.random_tried);
 }
 
+/// "3.4 : 1", "1 : 2.1".
+std::string oddsText(double odds) {
+  constexpr double kMany = 1000.0;
+  if (odds > kMany) return fmt::format("over {:.0f} : 1", kMany);
+  return odds >= 1.0 ? fmt::format("{:.2g} : 1", odds) : fmt::format("1 : {:.2g}", 1.0 / odds);
+}
+
 std::string summaryText(const Arguments& arguments, const Plan& plan) {
   std::string text = fmt::format("{}: {} poses, in an order that makes a short path\n", arguments.out.string(), plan.poses.size());
+  for (const RivalOdds& odds : plan.odds) {
+    text += fmt::format("if it is {}, odds against {} now {}, expected {}\n", odds.right, odds.wrong, oddsText(odds.before),
+                        oddsText(odds.expected));
+  }
+  for (const std::string& rival : plan.not_told) text += "not told by other poses: " + rival + "\n";
+  if (plan.detection_after) {
+    text += fmt::format("{} of size {:g}: expected S now {:.1f}, found with {:.0f} %; after these poses S {:.1f}, found with {:.0f} %\n",
+                        arguments.options.detect, arguments.options.detect_size, std::sqrt(plan.detection_before->chi_square),
+                        100.0 * plan.detection_before->probability, std::sqrt(plan.detection_after->chi_square),
+                        100.0 * plan.detection_after->probability);
+  }
+  if (!plan.odds.empty() || plan.detection_after) text += randomText(plan) + "\n";
   text += fmt::format("tool uncertainty now {} (1 sigma, mean over the workspace)\n", toolText(plan.before));
   text += fmt::format("after these {} poses {}", plan.poses.size(), toolText(plan.after));
-  text += "; " + randomText(plan) + "\n";
+  text += arguments.options.aim == PlanAim::kTool ? "; " + randomText(plan) + "\n" : "\n";
+  if (plan.sides_matter) text += "dir1.. is part of the plan: let each joint come from that side (1: from below)\n";
   text += fmt::format("checked: joint limits, view, straight links of radius {:.0f} mm against camera, line of sight and flange{}\n",
                       1e3 * plan.link_radius, arguments.options.floor ? ", and the floor" : "");
   text += "not checked: bent links, cables, grippers, fences and the way between poses; look at them in a simulation first\n";
@@ -58,6 +80,10 @@ std::string summaryText(const Arguments& arguments, const Plan& plan) {
 
 nlohmann::json toolJson(const ToolUncertainty& tool) {
   return {{"position_mm", 1e3 * tool.position}, {"rotation_mrad", 1e3 * tool.rotation}};
+}
+
+nlohmann::json detectionJson(const Detection& detection) {
+  return {{"chi_square", detection.chi_square}, {"probability", detection.probability}};
 }
 
 nlohmann::json summaryJson(const Arguments& arguments, const Plan& plan) {
@@ -69,6 +95,13 @@ nlohmann::json summaryJson(const Arguments& arguments, const Plan& plan) {
                       {"visible", plan.visible},
                       {"drawn", plan.drawn}};
   json["random_poses"] = plan.random_poses ? nlohmann::json(*plan.random_poses) : nlohmann::json();
+  for (const RivalOdds& odds : plan.odds) {
+    json["odds"].push_back({{"right", odds.right}, {"wrong", odds.wrong}, {"before", odds.before}, {"expected", odds.expected}});
+  }
+  if (!plan.not_told.empty()) json["not_told"] = plan.not_told;
+  if (plan.detection_after) {
+    json["detection"] = {{"before", detectionJson(*plan.detection_before)}, {"after", detectionJson(*plan.detection_after)}};
+  }
   return json;
 }
 
@@ -96,8 +129,24 @@ void requireSource(const Arguments& arguments) {
   }
 }
 
+void takeAim(Arguments& arguments) {
+  PlanOptions& options = arguments.options;
+  if (arguments.separate) options.aim = PlanAim::kSeparate;
+  if (arguments.detect.empty()) return;
+  options.aim = PlanAim::kDetect;
+  options.detect = arguments.detect.front();
+  try {
+    std::size_t used = 0;
+    options.detect_size = std::stod(arguments.detect.back(), &used);
+    if (used == arguments.detect.back().size()) return;
+  } catch (const std::logic_error&) {
+  }
+  throw InvalidArgument(fmt::format("--detect: '{}' is no size, expected a number in the effect's unit", arguments.detect.back()));
+}
+
 int run(Arguments& arguments, const Common& common) {
   requireSource(arguments);
+  takeAim(arguments);
   requireOutputs({arguments.out}, inputsOf(arguments));
   const bool first = arguments.source.capture.folder.empty();
   const PlanningCell cell = first ? firstCapture(arguments.first) : readPlanningCell(arguments.source);
@@ -176,6 +225,19 @@ std::function<int()> setUpPlan(CLI::App& app, const Common& common) {
   app.add_option("--detections", arguments->source.capture.detections,
                  "A detections.csv instead of the capture's, or of that beside the model")
       ->needs(folder);
+  CLI::Option* separate =
+      app.add_flag("--separate", arguments->separate,
+                   "Poses that tell apart what diagnosis.json beside the model left open, instead of making the tool certain")
+          ->needs(folder);
+  app.add_option("--detect", arguments->detect,
+                 "Poses that would show an effect of that size (in its unit, see poecal effects NAME), as joint_coupling@joint:6 0.0005 or "
+                 "joint_coupling@joint:6/q5 0.0005")
+      ->expected(2)
+      ->type_name("EFFECT@PLACE SIZE")
+      ->excludes(separate);
+  app.add_option("--odds", arguments->options.odds, "Expected odds at which --separate takes no further pose")
+      ->capture_default_str()
+      ->needs(separate);
   app.add_option("--out", arguments->out, "The table to write: q1..qn, as samples.csv has it")->required();
   addPlanOptions(app, arguments->options);
   addFirstOptions(app, arguments->first, folder);
