@@ -81,6 +81,7 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
     FindingSummary& found = summary.findings.emplace_back();
     found = {finding["effect"].text(), finding["location"].text(), sizeOf(finding), finding["driver"].text()};
     found.probability = findNumber(finding, "probability").value_or(1.0);
+    if (const auto way = finding.find("separate_with")) found.separate_with = way->text();
     const auto alternatives = finding.find("alternatives");
     for (const YamlNode& other : alternatives ? alternatives->items() : std::vector<YamlNode>{}) {
       found.alternatives.push_back(

@@ -87,19 +87,22 @@ double CertaintyAim::costWith(std::size_t candidate) const {
   return cost_ - S.solve(removed).trace();
 }
 
+void Contrast::add(const WhiteRows& pose, double sign) {
+  const auto X = columnsOf(pose);
+  const auto d = lastColumn(pose);
+  information += sign * X.transpose() * X;
+  v += sign * X.transpose() * d;
+  s += sign * d.squaredNorm();
+}
+
 ContrastAim::ContrastAim(std::vector<Contrast> contrasts) : contrasts_(std::move(contrasts)) {
   for (const Contrast& contrast : contrasts_) Sigma_.push_back(covarianceOf(contrast.information));
 }
 
 void ContrastAim::change(std::size_t candidate, double sign) {
   for (std::size_t i = 0; i < contrasts_.size(); ++i) {
-    Contrast& contrast = contrasts_[i];
-    const auto X = columnsOf((*contrast.rows)[candidate]);
-    const auto d = lastColumn((*contrast.rows)[candidate]);
-    contrast.information += sign * X.transpose() * X;
-    contrast.v += sign * X.transpose() * d;
-    contrast.s += sign * d.squaredNorm();
-    Sigma_[i] = covarianceOf(contrast.information);
+    contrasts_[i].add((*contrasts_[i].rows)[candidate], sign);
+    Sigma_[i] = covarianceOf(contrasts_[i].information);
   }
 }
 
@@ -131,13 +134,14 @@ double ContrastAim::combined(const std::vector<double>& chi_squares) const {
   return largest + std::log(sum);
 }
 
-std::vector<std::size_t> choosePoses(Aim& aim, std::size_t candidates, std::size_t count, int jobs, double enough) {
+std::vector<std::size_t> choosePoses(Aim& aim, std::size_t candidates, std::vector<std::size_t> chosen, std::size_t count, int jobs,
+                                     double enough) {
   std::vector<bool> in(candidates, false);
-  std::vector<std::size_t> chosen;
   const auto take = [&](std::size_t k) {
     aim.add(k);
     in[k] = true;
   };
+  for (const std::size_t k : chosen) take(k);
   while (chosen.size() < count && aim.cost() > enough) {
     const std::size_t best = bestOf(aim, in, jobs);
     if (best == kNone) break;

@@ -65,6 +65,9 @@ struct Contrast {
   double s = 0.0;
   std::shared_ptr<const std::vector<WhiteRows>> rows = {};  ///< [X d] of each candidate
   double log_odds = 0.0;                                    ///< before
+
+  /// Adds (sign 1) or takes away (-1) the rows [X d] of a pose.
+  void add(const WhiteRows& pose, double sign);
 };
 
 /// Cost of contrasts: log of the sum of 1 / odds, each with the expected log odds log_odds + chi-square / 2. The worst told counts most.
@@ -90,6 +93,8 @@ class ContrastAim : public Aim {
 
 /// Poses that make a cost small: one after the other each the best beside those before, then each in turn exchanged for the best that there
 /// is instead until none helps (Fedorov 1972). Each candidate at most once. @param enough  a cost at which no further pose is added.
-std::vector<std::size_t> choosePoses(Aim& aim, std::size_t candidates, std::size_t count, int jobs, double enough);
+/// @param chosen  poses to begin with, not in the aim yet.
+std::vector<std::size_t> choosePoses(Aim& aim, std::size_t candidates, std::vector<std::size_t> chosen, std::size_t count, int jobs,
+                                     double enough);
 
 }  // namespace poecal

@@ -7,7 +7,7 @@ namespace poecal {
 namespace {
 
 constexpr double kThickness = 0.04;   ///< radius of a link, of the arm's length
-constexpr std::size_t kOwnWrist = 3;  ///< links before the flange that it is beside anyway
+constexpr std::size_t kOwnWrist = 4;  ///< links before the flange that it is beside anyway: the wrist and what carries it
 
 }  // namespace
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -71,36 +73,25 @@ std::vector<Sample> candidatesOf(const Pool& pool, const PlanOptions& options, P
   return candidates;
 }
 
-/// Candidates, and behind them sequences of random visible poses to hold the plan against.
-struct Choice {
-  std::vector<Sample> samples;
-  std::size_t candidates = 0;
-  std::vector<std::pair<std::size_t, std::size_t>> sequences;  ///< [begin, end)
-};
-
-Choice choiceOf(const Pool& pool, const PlanOptions& options, Plan& plan) {
-  Choice choice;
-  choice.samples = candidatesOf(pool, options, plan);
-  choice.candidates = choice.samples.size();
-  plan.random_tried = kMostRandom * options.count;
-  for (std::size_t sequence = 0; sequence < kSequences; ++sequence) {
-    const std::vector<Sample> random = pool.visible(PoolPurpose::kRandom, sequence, plan.random_tried);
-    const std::size_t begin = choice.samples.size();
-    choice.samples.insert(choice.samples.end(), random.begin(), random.end());
-    choice.sequences.emplace_back(begin, choice.samples.size());
-  }
-  return choice;
-}
+/// An aim with no pose of the plan in it, and these as candidates.
+using AimOf = std::function<std::unique_ptr<Aim>(const std::vector<Sample>&)>;
 
 /// How many random visible poses, in the order in which they were drawn, cost as little as `cost`.
-std::optional<int> randomPosesFor(const Aim& before, const Choice& choice, double cost) {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+std::optional<int> randomPosesFor(const Pool& pool, const AimOf& aim_of, int most, double cost) {
+  std::vector<Sample> samples;
+  std::vector<std::pair<std::size_t, std::size_t>> sequences;
+  for (std::size_t number = 0; number < kSequences; ++number) {
+    const std::vector<Sample> random = pool.visible(PoolPurpose::kRandom, number, most);
+    sequences.emplace_back(samples.size(), samples.size() + random.size());
+    samples.insert(samples.end(), random.begin(), random.end());
+  }
+  const std::unique_ptr<Aim> before = aim_of(samples);
   std::vector<double> counts;
-  for (const auto& [begin, end] : choice.sequences) {
-    const std::unique_ptr<Aim> aim = before.copy();
+  for (const auto& [begin, end] : sequences) {
+    const std::unique_ptr<Aim> aim = before->copy();
     std::size_t next = begin;
     while (next < end && aim->cost() > cost) aim->add(next++);
-    counts.push_back(aim->cost() > cost ? kNever : static_cast<double>(next - begin));
+    counts.push_back(aim->cost() > cost ? std::numeric_limits<double>::infinity() : static_cast<double>(next - begin));
   }
   const double middle = median(counts);
   return std::isfinite(middle) ? std::optional(static_cast<int>(middle)) : std::nullopt;
@@ -111,6 +102,37 @@ double enoughFor(const PlanOptions& options) {
   return options.aim == PlanAim::kSeparate ? -std::log(options.odds) : -std::numeric_limits<double>::infinity();
 }
 
+std::vector<Sample> chosenOf(const std::vector<Sample>& samples, const std::vector<std::size_t>& chosen) {
+  std::vector<Sample> some;
+  for (const std::size_t k : chosen) some.push_back(samples[k]);
+  return some;
+}
+
+/// Poses chosen from the candidates, and then from postures ever nearer to them.
+std::vector<Sample> choose(const Pool& pool, const AimOf& aim_of, const std::vector<Sample>& candidates, const PlanOptions& options,
+                           Plan& plan) {
+  constexpr int kNear = 40;  // variants of each pose
+  const double enough = enoughFor(options);
+  std::unique_ptr<Aim> aim = aim_of(candidates);
+  std::vector<Sample> poses =
+      chosenOf(candidates, choosePoses(*aim, candidates.size(), {}, static_cast<std::size_t>(options.count), options.jobs, enough));
+  std::size_t sequence = 0;
+  for (const double share : {0.1, 0.05, 0.025}) {
+    const std::vector<Sample> before = poses;
+    for (const Sample& pose : before) {
+      const std::vector<Sample> variants = pool.near(pose, share, sequence++, kNear);
+      poses.insert(poses.end(), variants.begin(), variants.end());
+    }
+    std::vector<std::size_t> first(before.size());
+    std::iota(first.begin(), first.end(), std::size_t{0});
+    aim = aim_of(poses);
+    poses = chosenOf(poses, choosePoses(*aim, poses.size(), first, first.size(), options.jobs, enough));
+  }
+  plan.random_tried = kMostRandom * options.count;
+  plan.random_poses = randomPosesFor(pool, aim_of, plan.random_tried, aim->cost());
+  return poses;
+}
+
 Detection detectionOf(const ContrastAim& aim) {
   // Found four times in five at an expected chi-square of 36: its root is normal about its expectation.
   const double needed = 6.0 - normalQuantile(0.8);
@@ -119,36 +141,26 @@ Detection detectionOf(const ContrastAim& aim) {
   return {least, 0.5 * std::erfc((needed - std::sqrt(std::max(0.0, least))) / std::sqrt(2.0))};
 }
 
-/// Chooses for what the plan is for, and tells how far it gets there.
-std::vector<std::size_t> choose(Aim& aim, const Choice& choice, const PlanOptions& options, Plan& plan) {
-  const std::unique_ptr<Aim> before = aim.copy();
-  std::vector<std::size_t> chosen =
-      choosePoses(aim, choice.candidates, static_cast<std::size_t>(options.count), options.jobs, enoughFor(options));
-  plan.random_poses = randomPosesFor(*before, choice, aim.cost());
-  return chosen;
-}
-
-std::vector<std::size_t> chooseFor(const Question& question, const Choice& choice, const PlanOptions& options, Plan& plan) {
-  ContrastAim aim(question.contrasts);
-  plan.sides_matter = plan.sides_matter || question.sides_matter;
+/// What the poses of a plan tell of what it was asked.
+void tellAnswer(const Question& question, const std::vector<Sample>& poses, PlanAim kind, Plan& plan) {
+  ContrastAim aim(question.contrasts(poses));
+  if (kind == PlanAim::kDetect) plan.detection_before = detectionOf(aim);
+  for (std::size_t k = 0; k < poses.size(); ++k) aim.add(k);
+  if (kind == PlanAim::kDetect) plan.detection_after = detectionOf(aim);
   plan.not_told = question.not_told;
-  if (options.aim == PlanAim::kDetect) plan.detection_before = detectionOf(aim);
-  const std::vector<std::size_t> chosen = choose(aim, choice, options, plan);
-  if (options.aim == PlanAim::kDetect) plan.detection_after = detectionOf(aim);
   plan.odds = question.pairs;
   const std::vector<double> chi_squares = aim.chiSquares();
   for (std::size_t i = 0; i < plan.odds.size(); ++i) plan.odds[i].expected = plan.odds[i].before * std::exp(0.5 * chi_squares[i]);
-  return chosen;
 }
 
-void order(const PlanningCell& cell, const std::vector<Sample>& candidates, const std::vector<std::size_t>& chosen, Plan& plan) {
+void order(const PlanningCell& cell, const std::vector<Sample>& chosen, Plan& plan) {
   std::vector<Eigen::VectorXd> poses;
-  for (const std::size_t k : chosen) poses.push_back(candidates[k].q);
+  for (const Sample& sample : chosen) poses.push_back(sample.q);
   Eigen::VectorXd at = cell.taken.samples.empty() ? Eigen::VectorXd() : cell.taken.samples.back().q;
   for (const std::size_t k : pathOrder(poses, at, readingRanges(*cell.model.cell.arm, cell.robot_file))) {
-    const Eigen::VectorXd straight =
-        at.size() == poses[k].size() ? Eigen::VectorXd((poses[k] - at).cwiseSign()) : Eigen::VectorXd::Ones(poses[k].size());
-    plan.poses.push_back({poses[k], plan.sides_matter ? candidates[chosen[k]].dir : straight});
+    const bool known = at.size() == poses[k].size();
+    const Eigen::VectorXd straight = known ? Eigen::VectorXd((poses[k] - at).cwiseSign()) : Eigen::VectorXd::Ones(poses[k].size());
+    plan.poses.push_back({poses[k], plan.sides_matter ? chosen[k].dir : straight});
     at = poses[k];
   }
 }
@@ -172,26 +184,29 @@ Plan planPoses(const PlanningCell& cell, const PlanOptions& options) {
   Plan plan;
   const Pool pool(cell, options);
   plan.link_radius = pool.clearance().linkRadius();
-  const Choice choice = choiceOf(pool, options, plan);
+  const std::vector<Sample> candidates = candidatesOf(pool, options, plan);
   const Knowledge knowledge(cell, cell.model.effects);
   for (const AppliedEffect& applied : cell.model.effects)
     plan.sides_matter = plan.sides_matter || applied.effect.driver().starts_with("dir");
   const Workspace workspace(knowledge, pool.anywhere(kWorkspace));
-  CertaintyAim certainty(knowledge.prior().precision + squaresOf(knowledge.taken(), knowledge.columns()),
-                         options.criterion == PlanCriterion::kA ? workspace.position() : Eigen::MatrixXd(),
-                         condensedRows(knowledge.expected(choice.samples)));
-  plan.before = workspace.of(certainty.covariance());
-  std::vector<std::size_t> chosen;
-  if (options.aim == PlanAim::kTool) {
-    chosen = choose(certainty, choice, options, plan);
-  } else {
-    const Question question =
-        options.aim == PlanAim::kSeparate ? separation(cell, choice.samples, options.odds) : detection(cell, choice.samples, options);
-    chosen = chooseFor(question, choice, options, plan);
-    for (const std::size_t k : chosen) certainty.add(k);
+  const Eigen::MatrixXd before = knowledge.prior().precision + squaresOf(knowledge.taken(), knowledge.columns());
+  AimOf aim_of = [&](const std::vector<Sample>& samples) -> std::unique_ptr<Aim> {
+    const Eigen::MatrixXd Q = options.criterion == PlanCriterion::kA ? workspace.position() : Eigen::MatrixXd();
+    return std::make_unique<CertaintyAim>(before, Q, condensedRows(knowledge.expected(samples)));
+  };
+  Question question;
+  if (options.aim != PlanAim::kTool) {
+    question = options.aim == PlanAim::kSeparate ? separation(cell, candidates, options.odds) : detection(cell, candidates, options);
+    plan.sides_matter = plan.sides_matter || question.sides_matter;
+    aim_of = [&question](const std::vector<Sample>& samples) -> std::unique_ptr<Aim> {
+      return std::make_unique<ContrastAim>(question.contrasts(samples));
+    };
   }
-  plan.after = workspace.of(certainty.covariance());
-  order(cell, choice.samples, chosen, plan);
+  const std::vector<Sample> chosen = choose(pool, aim_of, candidates, options, plan);
+  if (options.aim != PlanAim::kTool) tellAnswer(question, chosen, options.aim, plan);
+  plan.before = workspace.of(covarianceOf(before));
+  plan.after = workspace.of(covarianceOf(before + squaresOf(knowledge.expected(chosen), knowledge.columns())));
+  order(cell, chosen, plan);
   return plan;
 }
 

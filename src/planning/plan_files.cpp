@@ -110,9 +110,10 @@ void takeNoise(const ResultSummary& summary, PlanningCell& cell) {
 void takeRivals(const ResultSummary& summary, PlanningCell& cell) {
   for (const FindingSummary& finding : summary.findings) {
     if (finding.alternatives.empty()) continue;
-    Rivals rivals{{finding.effect, finding.location, finding.driver, finding.probability}};
+    Rivals rivals{.explanations = {{finding.effect, finding.location, finding.driver, finding.probability}},
+                  .separate_with = finding.separate_with};
     for (const AlternativeCause& other : finding.alternatives)
-      rivals.push_back({other.effect, other.location, other.driver, other.probability});
+      rivals.explanations.push_back({other.effect, other.location, other.driver, other.probability});
     cell.open.push_back(std::move(rivals));
   }
 }

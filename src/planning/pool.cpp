@@ -67,6 +67,25 @@ std::vector<Sample> Pool::visible(PoolPurpose purpose, std::size_t number, int c
   return found;
 }
 
+std::vector<Sample> Pool::near(const Sample& sample, double share, std::size_t number, int count) const {
+  Rng rng(options_.seed, streamOf(PoolPurpose::kNear, number));
+  std::vector<Sample> found;
+  for (int k = 0; k < count; ++k) {
+    Sample other = sample;
+    const std::size_t alone = rng.below(ranges_.size());
+    for (std::size_t joint = 0; joint < ranges_.size(); ++joint) {
+      const double step = share * (ranges_[joint].upper - ranges_[joint].lower) * rng.normal();
+      const double side = rng.below(2) == 0 ? -1.0 : 1.0;
+      const auto j = static_cast<Eigen::Index>(joint);
+      if (k % 2 == 1 && joint != alone) continue;
+      other.q(j) = std::clamp(other.q(j) + step, ranges_[joint].lower, ranges_[joint].upper);
+      other.dir(j) = side;
+    }
+    if (isVisible(other)) found.push_back(std::move(other));
+  }
+  return found;
+}
+
 std::vector<Sample> Pool::anywhere(int count) const {
   Rng rng(1, streamOf(PoolPurpose::kWorkspace, 0));  // one workspace for all plans, so that their figures compare
   std::vector<Sample> samples;

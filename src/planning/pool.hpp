@@ -11,7 +11,7 @@
 namespace poecal {
 
 /// Independent random sequences of one seed.
-enum class PoolPurpose : std::uint64_t { kCandidates = 1, kRandom, kWorkspace, kRough };
+enum class PoolPurpose : std::uint64_t { kCandidates = 1, kRandom, kWorkspace, kRough, kNear };
 
 class Pool {
  public:
@@ -19,6 +19,9 @@ class Pool {
 
   /// Up to `count` visible postures, as sequence `number` of a purpose draws them. @param drawn  if given, set to how many were tried.
   std::vector<Sample> visible(PoolPurpose purpose, std::size_t number, int count, long* drawn = nullptr) const;
+  /// Visible postures near a posture: every joint moved by a normal draw of `share` of its range, half of them one joint alone. @param
+  /// number of the sequence.
+  std::vector<Sample> near(const Sample& sample, double share, std::size_t number, int count) const;
   const Clearance& clearance() const { return clearance_; }
   /// Postures uniform within the joint limits, in view or not.
   std::vector<Sample> anywhere(int count) const;

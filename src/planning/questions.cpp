@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 
@@ -14,17 +15,22 @@
 namespace poecal {
 namespace {
 
+/// The rows that poses would add to a contrast.
+std::vector<WhiteRows> rowsOf(const AskedContrast& asked, const std::vector<WhiteRows>& expected) {
+  std::vector<WhiteRows> all;
+  all.reserve(expected.size());
+  for (const WhiteRows& rows : expected) {
+    WhiteRows some(rows.rows(), asked.base + asked.own_size + 1);
+    some << rows.leftCols(asked.base), rows.middleCols(asked.own_begin, asked.own_size), rows.leftCols(asked.mean.size()) * asked.mean;
+    all.push_back(condensed(std::move(some)));
+  }
+  return all;
+}
+
 /// Columns [begin, begin + size) of rows.
 struct Span {
   Eigen::Index begin = 0, size = 0;
 };
-
-/// The columns of the base model and of one explanation, and a last column.
-WhiteRows withColumns(const WhiteRows& rows, Eigen::Index base, const Span& own, const Eigen::VectorXd& last) {
-  WhiteRows some(rows.rows(), base + own.size + 1);
-  some << rows.leftCols(base), rows.middleCols(own.begin, own.size), last;
-  return some;
-}
 
 /// Where each explanation's columns stand behind those of the base model.
 std::vector<Span> spansOf(Eigen::Index base, const std::vector<FurtherColumns>& explanations) {
@@ -100,12 +106,12 @@ struct Explanations {
 
 Explanations explanationsOf(const PlanningCell& cell, const Rivals& rivals, std::vector<std::string>& not_told) {
   Explanations all{.effects = cell.model.effects, .rivals = {}, .columns = {}};
-  const std::optional<AppliedEffect> found = takeOut(rivals.front(), all.effects);
+  const std::optional<AppliedEffect> found = takeOut(rivals.explanations.front(), all.effects);
   const Knowledge without(cell, all.effects);
   const std::vector<Candidate> candidates = allCandidates(without.measured(), without.state()).candidates;
-  for (const Rival& rival : rivals) {
+  for (const Rival& rival : rivals.explanations) {
     std::vector<Candidate> instances;
-    if (found && &rival == &rivals.front()) {
+    if (found && &rival == &rivals.explanations.front()) {
       instances.push_back(modelCandidate(*found));
     } else {
       std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(instances),
@@ -145,34 +151,55 @@ Fitted fitted(const std::vector<WhiteRows>& taken, const ColumnPrior& prior, Eig
   return fit;
 }
 
+/// The contrast of two explanations: rows that the right one makes, in the model of the wrong one.
+AskedContrast contrastOf(const std::shared_ptr<const Knowledge>& knowledge, Eigen::Index base, const Fitted& right,
+                         const Span& right_columns, const Fitted& wrong, const Span& wrong_columns) {
+  AskedContrast asked{.knowledge = knowledge,
+                      .before = {.information = wrong.information, .v = Eigen::VectorXd::Zero(wrong.b.size())},
+                      .base = base,
+                      .own_begin = wrong_columns.begin,
+                      .own_size = wrong_columns.size,
+                      .mean = Eigen::VectorXd::Zero(knowledge->columns())};
+  asked.mean.head(base) = right.b.head(base) - wrong.b.head(base);
+  asked.mean.segment(right_columns.begin, right_columns.size) += right.b.tail(right_columns.size);
+  asked.mean.segment(wrong_columns.begin, wrong_columns.size) -= wrong.b.tail(wrong_columns.size);
+  return asked;
+}
+
+/// What all poses together would add to a contrast.
+double mostChiSquare(const AskedContrast& asked, const std::vector<WhiteRows>& expected) {
+  const std::vector<WhiteRows> rows = rowsOf(asked, expected);
+  Contrast contrast = asked.before;
+  for (const WhiteRows& pose : rows) contrast.add(pose, 1.0);
+  return contrast.s - contrast.v.dot(covarianceOf(contrast.information) * contrast.v);
+}
+
 /// Adds the contrasts of one finding.
 void addContrasts(const PlanningCell& cell, const Explanations& all, const std::vector<Sample>& candidates, double odds,
-                  Question& question) {
-  const Knowledge knowledge(cell, all.effects, all.columns);
-  const Eigen::Index base = baseColumns(knowledge, all.columns);
+                  const std::string& separate_with, Question& question) {
+  constexpr double kHardly = 1.0;  // chi-square of all candidates together: these two expect the same everywhere
+  const auto knowledge = std::make_shared<const Knowledge>(cell, all.effects, all.columns);
+  const Eigen::Index base = baseColumns(*knowledge, all.columns);
   const std::vector<Span> spans = spansOf(base, all.columns);
-  const std::vector<WhiteRows> taken = knowledge.taken(), expected = knowledge.expected(candidates);
+  const std::vector<WhiteRows> taken = knowledge->taken(), expected = knowledge->expected(candidates);
   std::vector<Fitted> fits;
-  for (const Span& span : spans) fits.push_back(fitted(taken, knowledge.prior(), base, span));
+  for (const Span& span : spans) fits.push_back(fitted(taken, knowledge->prior(), base, span));
   for (std::size_t i = 1; i < spans.size(); ++i) {
     if (all.rivals.front().probability >= odds * all.rivals[i].probability) continue;
+    std::vector<AskedContrast> both;
     for (const auto& [right, wrong] : {std::pair(std::size_t{0}, i), std::pair(i, std::size_t{0})}) {
-      Contrast contrast;
-      contrast.information = fits[wrong].information;
-      contrast.v = Eigen::VectorXd::Zero(fits[wrong].b.size());
-      contrast.log_odds = std::log(all.rivals[right].probability / all.rivals[wrong].probability);
-      const Eigen::VectorXd between = fits[right].b.head(base) - fits[wrong].b.head(base);
-      std::vector<WhiteRows> poses;
-      for (const WhiteRows& rows : expected) {
-        const Eigen::VectorXd d = rows.leftCols(base) * between +
-                                  rows.middleCols(spans[right].begin, spans[right].size) * fits[right].b.tail(spans[right].size) -
-                                  rows.middleCols(spans[wrong].begin, spans[wrong].size) * fits[wrong].b.tail(spans[wrong].size);
-        poses.push_back(condensed(withColumns(rows, base, spans[wrong], d)));
-      }
-      contrast.rows = std::make_shared<const std::vector<WhiteRows>>(std::move(poses));
-      question.contrasts.push_back(std::move(contrast));
-      question.pairs.push_back({nameOf(all.rivals[right]), nameOf(all.rivals[wrong]), std::exp(question.contrasts.back().log_odds), 1.0});
+      both.push_back(contrastOf(knowledge, base, fits[right], spans[right], fits[wrong], spans[wrong]));
+      both.back().before.log_odds = std::log(all.rivals[right].probability / all.rivals[wrong].probability);
     }
+    const std::string finding = nameOf(all.rivals.front()), rival = nameOf(all.rivals[i]);
+    if (std::max(mostChiSquare(both.front(), expected), mostChiSquare(both.back(), expected)) < kHardly) {
+      question.not_told.push_back(
+          fmt::format("{} and {} expect the same everywhere{}", finding, rival, separate_with.empty() ? "" : ": " + separate_with));
+      continue;
+    }
+    question.pairs.push_back({finding, rival, std::exp(both.front().before.log_odds), 1.0});
+    question.pairs.push_back({rival, finding, std::exp(both.back().before.log_odds), 1.0});
+    std::move(both.begin(), both.end(), std::back_inserter(question.asked));
   }
 }
 
@@ -222,15 +249,27 @@ std::vector<Candidate> askedFor(const Rival& asked, const CandidateList& list) {
 
 }  // namespace
 
+std::vector<Contrast> Question::contrasts(const std::vector<Sample>& samples) const {
+  std::map<const Knowledge*, std::vector<WhiteRows>> expected;
+  std::vector<Contrast> all;
+  for (const AskedContrast& each : asked) {
+    if (!expected.contains(each.knowledge.get())) expected[each.knowledge.get()] = each.knowledge->expected(samples);
+    Contrast& contrast = all.emplace_back(each.before);
+    contrast.rows = std::make_shared<const std::vector<WhiteRows>>(rowsOf(each, expected[each.knowledge.get()]));
+  }
+  return all;
+}
+
 Question separation(const PlanningCell& cell, const std::vector<Sample>& candidates, double odds) {
   if (cell.open.empty()) throw InsufficientData("no finding of the diagnosis has alternatives: there is nothing to tell apart");
   Question question;
   for (const Rivals& rivals : cell.open) {
     const Explanations all = explanationsOf(cell, rivals, question.not_told);
-    if (all.rivals.size() > 1 && nameOf(all.rivals.front()) == nameOf(rivals.front())) addContrasts(cell, all, candidates, odds, question);
+    if (all.rivals.size() > 1 && nameOf(all.rivals.front()) == nameOf(rivals.explanations.front()))
+      addContrasts(cell, all, candidates, odds, rivals.separate_with, question);
     for (const Rival& rival : all.rivals) question.sides_matter = question.sides_matter || hangsOnSides(rival.driver);
   }
-  if (question.contrasts.empty()) {
+  if (question.asked.empty()) {
     throw InsufficientData(question.not_told.empty()
                                ? fmt::format("every finding is {:.0f} times as likely as each of its alternatives: nothing is open", odds)
                                : fmt::format("other poses do not tell these apart: {}", fmt::join(question.not_told, "; ")));
@@ -239,32 +278,24 @@ Question separation(const PlanningCell& cell, const std::vector<Sample>& candida
 }
 
 Question detection(const PlanningCell& cell, const std::vector<Sample>& candidates, const PlanOptions& options) {
-  const Rival asked = parsed(options.detect);
+  const Rival effect = parsed(options.detect);
   const Knowledge plain(cell, cell.model.effects);
   MeasuredCell measured = plain.measured();
   measured.samples.insert(measured.samples.end(), candidates.begin(), candidates.end());
-  const std::vector<Candidate> instances = askedFor(asked, allCandidates(measured, plain.state()));
+  const std::vector<Candidate> instances = askedFor(effect, allCandidates(measured, plain.state()));
   Question question;
   for (const Candidate& instance : instances) {
-    const Knowledge knowledge(cell, cell.model.effects, {{instance, instance.typical}});
+    const auto knowledge =
+        std::make_shared<const Knowledge>(cell, cell.model.effects, std::vector<FurtherColumns>{{instance, instance.typical}});
     const Eigen::Index base = plain.columns();
-    const std::vector<WhiteRows> taken = knowledge.taken(), expected = knowledge.expected(candidates);
+    const std::vector<WhiteRows> taken = knowledge->taken();
     for (Eigen::Index size = 0; size < instance.own(); ++size) {
-      Contrast contrast;
-      contrast.information = plain.prior().precision;
-      contrast.v = Eigen::VectorXd::Zero(base);
-      for (const WhiteRows& rows : taken) {
-        const auto X = rows.leftCols(base);
-        const Eigen::VectorXd d = options.detect_size * rows.col(base + size);
-        contrast.information += X.transpose() * X;
-        contrast.v += X.transpose() * d;
-        contrast.s += d.squaredNorm();
-      }
-      std::vector<WhiteRows> poses;
-      for (const WhiteRows& rows : expected)
-        poses.push_back(condensed(withColumns(rows, base, {}, options.detect_size * rows.col(base + size))));
-      contrast.rows = std::make_shared<const std::vector<WhiteRows>>(std::move(poses));
-      question.contrasts.push_back(std::move(contrast));
+      AskedContrast asked{.knowledge = knowledge,
+                          .before = {.information = plain.prior().precision, .v = Eigen::VectorXd::Zero(base)},
+                          .base = base,
+                          .mean = options.detect_size * Eigen::VectorXd::Unit(knowledge->columns(), base + size)};
+      for (const WhiteRows& rows : rowsOf(asked, taken)) asked.before.add(rows, 1.0);
+      question.asked.push_back(std::move(asked));
     }
     question.sides_matter = question.sides_matter || hangsOnSides(instance.driver);
   }

@@ -2,6 +2,7 @@
 // is there.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,17 +11,29 @@
 
 namespace poecal {
 
-/// Contrasts with what each is about.
+/// A contrast before any pose of the plan, and the rows that a pose would add to it.
+struct AskedContrast {
+  std::shared_ptr<const Knowledge> knowledge;
+  Contrast before;             ///< without rows
+  Eigen::Index base = 0;       ///< first columns of the knowledge, which are nuisances
+  Eigen::Index own_begin = 0;  ///< and those of the wrong explanation
+  Eigen::Index own_size = 0;
+  Eigen::VectorXd mean;  ///< factors of all columns: d = X mean
+};
+
 struct Question {
-  std::vector<Contrast> contrasts;
+  std::vector<AskedContrast> asked;
   std::vector<RivalOdds> pairs;       ///< names of each; separation alone
-  std::vector<std::string> not_told;  ///< rivals that have no columns, with what tells them apart
+  std::vector<std::string> not_told;  ///< rivals that no pose tells apart, with what does
   bool sides_matter = false;          ///< some explanation hangs on the side from which a joint comes
+
+  /// With the rows of poses that may be taken.
+  std::vector<Contrast> contrasts(const std::vector<Sample>& samples) const;
 };
 
 /// Each rival against the finding, and the finding against each rival. Let a be right: with the factors b_a that the data so far give,
 /// a pose's rows become X_a b_a, and the model of b expects X_b b_b with covariance C + X_b Sigma_b X_b'. The contrast is of
-/// d = X_a b_a - X_b b_b.
+/// d = X_a b_a - X_b b_b. @param candidates  what they all together do not tell apart, no pose does.
 /// @throws InsufficientData where no rival is open, or none can be told apart by poses.
 Question separation(const PlanningCell& cell, const std::vector<Sample>& candidates, double odds);
 

@@ -50,6 +50,7 @@ struct FindingSummary {
   std::string driver = {};
   double probability = 0.0;                         ///< among the alternatives
   std::vector<AlternativeCause> alternatives = {};  ///< that the data leave open
+  std::string separate_with = {};                   ///< what would tell them apart
 };
 
 /// What registration.yaml, identification.json and diagnosis.json of a folder say in short.

@@ -36,8 +36,11 @@ struct Rival {
   double probability = 0.0;
 };
 
-/// Explanations of one finding of which one is right; the finding itself is the first.
-using Rivals = std::vector<Rival>;
+/// Explanations of one finding of which one is right.
+struct Rivals {
+  std::vector<Rival> explanations;  ///< the finding itself is the first
+  std::string separate_with = {};   ///< what tells them apart, as the diagnosis says it
+};
 
 /// A cell, and all that is known of it before the poses that are planned.
 struct PlanningCell {

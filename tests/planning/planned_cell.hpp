@@ -1,0 +1,31 @@
+// Cells of calib_data as a plan sees them: identified from random poses, with the truth at hand.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification/simulated_cell.hpp"
+#include "poecal/planning/plan.hpp"
+
+namespace poecal::test {
+
+/// A cell as known, and as it is.
+struct PlannedCell {
+  PlanningCell cell;
+  Cell truth;
+  Identification identification;
+};
+
+/// Identified from `poses` random visible poses. The stated tolerances are those with which its axes were drawn.
+PlannedCell plannedCell(const std::string& name, std::uint64_t seed, int poses);
+
+/// The same cell, identified again from the pictures so far and pictures of `poses` with kSigma of noise.
+PlannedCell withPictures(const PlannedCell& planned, const std::vector<PlannedPose>& poses, std::uint64_t seed);
+
+/// As many random visible poses, as scenes draw them.
+std::vector<PlannedPose> randomPoses(const std::string& name, std::uint64_t seed, int count);
+
+/// Root mean square error of the tool over the workspace of plans [m].
+double toolError(const PlannedCell& planned);
+
+}  // namespace poecal::test
