@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "planning/pool.hpp"
+#include "poecal/effects/catalogue.hpp"
 #include "support/random.hpp"
 
 namespace poecal::test {
@@ -58,6 +59,20 @@ PlannedCell withPictures(const PlannedCell& planned, const std::vector<PlannedPo
   next.cell.taken.sigmas_stated = false;  // their scale is estimated, as in the first fit
   identifyAgain(planned.cell.nominal, next);
   return next;
+}
+
+PlanningCell withEffect(const PlannedCell& planned, const EffectSpec& spec) {
+  PlanningCell cell = planned.cell;
+  cell.model.effects = {makeEffect(spec, cell.model.cell)};
+  const std::vector<Disturbance> disturbances =
+      disturbancesOf(cell.model.effects, cell.model.cell, cell.target, cell.taken.gravity, cell.taken.samples);
+  for (Observation& observation : cell.taken.observations) {
+    const Sample& sample = cell.taken.samples[observation.sample];
+    const auto moved = disturbedCorners(cell.model.cell, sample, cell.target.points, disturbances[observation.sample]);
+    const auto still = disturbedCorners(cell.model.cell, sample, cell.target.points, {});
+    for (std::size_t j = 0; j < observation.corners.size(); ++j) observation.corners[j].px += *moved[j] - *still[j];
+  }
+  return cell;
 }
 
 std::vector<PlannedPose> randomPoses(const std::string& name, std::uint64_t seed, int count) {

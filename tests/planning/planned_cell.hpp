@@ -22,6 +22,10 @@ PlannedCell plannedCell(const std::string& name, std::uint64_t seed, int poses);
 /// The same cell, identified again from the pictures so far and pictures of `poses` with kSigma of noise.
 PlannedCell withPictures(const PlannedCell& planned, const std::vector<PlannedPose>& poses, std::uint64_t seed);
 
+/// What a capture of the same poses would have known of an arm that has an effect beside its geometry: corners moved by it, and the
+/// effect in the model.
+PlanningCell withEffect(const PlannedCell& planned, const EffectSpec& spec);
+
 /// As many random visible poses, as scenes draw them.
 std::vector<PlannedPose> randomPoses(const std::string& name, std::uint64_t seed, int count);
 
