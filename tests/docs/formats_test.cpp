@@ -110,6 +110,7 @@ TEST_F(Formats, TheTablesOfPosesAndJointsAreRead) {
   ASSERT_THAT(table.poses, SizeIs(3));
   EXPECT_TRUE(table.poses[0].sigma_position && table.poses[0].sigma_rotation && !table.position_only);
   EXPECT_THAT(readJoints(onPage("joints.csv"), arm), SizeIs(2));
+  EXPECT_THAT(readSamples(onPage("next.csv"), arm.jointCount(), &arm).samples, SizeIs(2));
 }
 
 TEST_F(Formats, TheTargetsAreRead) {

@@ -47,6 +47,13 @@ std::string randomText(const Plan& plan) {
                            : fmt::format("{} random visible poses do not bring that", plan.random_tried);
 }
 
+/// No answer is certain.
+std::string percentText(double probability) {
+  constexpr double kSure = 0.99;
+  if (probability > kSure) return "over 99 %";
+  return probability < 1.0 - kSure ? "under 1 %" : fmt::format("{:.0f} %", 100.0 * probability);
+}
+
 /// "3.4 : 1", "1 : 2.1".
 std::string oddsText(double odds) {
   constexpr double kMany = 1000.0;
@@ -55,6 +62,7 @@ std::string oddsText(double odds) {
 }
 
 std::string summaryText(const Arguments& arguments, const Plan& plan) {
+  const bool first = arguments.source.capture.folder.empty();
   std::string text = fmt::format("{}: {} poses, in an order that makes a short path\n", arguments.out.string(), plan.poses.size());
   for (const RivalOdds& odds : plan.odds) {
     text += fmt::format("if it is {}, odds against {} now {}, expected {}\n", odds.right, odds.wrong, oddsText(odds.before),
@@ -62,13 +70,14 @@ std::string summaryText(const Arguments& arguments, const Plan& plan) {
   }
   for (const std::string& rival : plan.not_told) text += "not told by other poses: " + rival + "\n";
   if (plan.detection_after) {
-    text += fmt::format("{} of size {:g}: expected S now {:.1f}, found with {:.0f} %; after these poses S {:.1f}, found with {:.0f} %\n",
+    text += fmt::format("{} of size {:g}: expected S now {:.1f}, found with {}; after these poses S {:.1f}, found with {}\n",
                         arguments.options.detect, arguments.options.detect_size, std::sqrt(plan.detection_before->chi_square),
-                        100.0 * plan.detection_before->probability, std::sqrt(plan.detection_after->chi_square),
-                        100.0 * plan.detection_after->probability);
+                        percentText(plan.detection_before->probability), std::sqrt(plan.detection_after->chi_square),
+                        percentText(plan.detection_after->probability));
   }
   if (!plan.odds.empty() || plan.detection_after) text += randomText(plan) + "\n";
-  text += fmt::format("tool uncertainty now {} (1 sigma, mean over the workspace)\n", toolText(plan.before));
+  text += fmt::format("tool uncertainty now {} (1 sigma, mean over the workspace{})\n", toolText(plan.before),
+                      first ? "; from what is stated alone" : "");
   text += fmt::format("after these {} poses {}", plan.poses.size(), toolText(plan.after));
   text += arguments.options.aim == PlanAim::kTool ? "; " + randomText(plan) + "\n" : "\n";
   if (plan.sides_matter) text += "dir1.. is part of the plan: let each joint come from that side (1: from below)\n";
