@@ -108,6 +108,9 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
     summary.shrinkage_high = interval(1);
   }
   summary.bad_samples = static_cast<long>(root["bad_samples"].items().size());
+  for (const YamlNode& bad : root["bad_samples"].items()) {
+    if (const auto image = bad.find("image")) summary.bad_images.push_back(image->text());
+  }
   if (root["remaining"]["significant"].text() == "true") summary.warnings.push_back("structure remains that no finding explains");
 }
 

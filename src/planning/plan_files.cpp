@@ -1,5 +1,8 @@
 #include "poecal/planning/plan_files.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "core/yaml.hpp"
@@ -107,6 +110,14 @@ void takeNoise(const ResultSummary& summary, PlanningCell& cell) {
   cell.arm_beyond_tolerance = summary.arm_beyond_tolerance.value_or(1.0);
 }
 
+/// Rows that belong to no model tell nothing.
+void leaveOutBad(const ResultSummary& summary, PlanningCell& cell) {
+  std::erase_if(cell.taken.observations, [&](const Observation& observation) {
+    const std::string& image = cell.taken.samples[observation.sample].image;
+    return std::find(summary.bad_images.begin(), summary.bad_images.end(), image) != summary.bad_images.end();
+  });
+}
+
 void takeRivals(const ResultSummary& summary, PlanningCell& cell) {
   for (const FindingSummary& finding : summary.findings) {
     if (finding.alternatives.empty()) continue;
@@ -141,6 +152,7 @@ PlanningCell readPlanningCell(const PlanSource& source) {
   cell.taken = measurementsOf(capture, readDetections(capture.detections_file, capture.target, reference,
                                                       ImageSize{capture.camera->width, capture.camera->height}));
   const ResultSummary summary = readResults(results);
+  leaveOutBad(summary, cell);
   takeNoise(summary, cell);
   takeRivals(summary, cell);
   return cell;
@@ -157,6 +169,7 @@ PlanningCell firstCapture(const FirstCapture& first) {
   cell.model.target = cell.target;
   cell.taken.setup = first.setup;
   cell.taken.target = cell.target;
+  cell.noise.corner = first.corner_sigma;
   cell.rough_position = first.rough_position;
   cell.rough_rotation = first.rough_rotation;
   return cell;

@@ -183,6 +183,7 @@ void addContrasts(const PlanningCell& cell, const Explanations& all, const std::
   const std::vector<Span> spans = spansOf(base, all.columns);
   const std::vector<WhiteRows> taken = knowledge->taken(), expected = knowledge->expected(candidates);
   std::vector<Fitted> fits;
+  std::vector<std::string> alike;
   for (const Span& span : spans) fits.push_back(fitted(taken, knowledge->prior(), base, span));
   for (std::size_t i = 1; i < spans.size(); ++i) {
     if (all.rivals.front().probability >= odds * all.rivals[i].probability) continue;
@@ -193,14 +194,16 @@ void addContrasts(const PlanningCell& cell, const Explanations& all, const std::
     }
     const std::string finding = nameOf(all.rivals.front()), rival = nameOf(all.rivals[i]);
     if (std::max(mostChiSquare(both.front(), expected), mostChiSquare(both.back(), expected)) < kHardly) {
-      question.not_told.push_back(
-          fmt::format("{} and {} expect the same everywhere{}", finding, rival, separate_with.empty() ? "" : ": " + separate_with));
+      alike.push_back(rival);
       continue;
     }
     question.pairs.push_back({finding, rival, std::exp(both.front().before.log_odds), 1.0});
     question.pairs.push_back({rival, finding, std::exp(both.back().before.log_odds), 1.0});
     std::move(both.begin(), both.end(), std::back_inserter(question.asked));
   }
+  if (alike.empty()) return;
+  question.not_told.push_back(fmt::format("{} and {} expect the same in every pose{}", nameOf(all.rivals.front()), fmt::join(alike, ", "),
+                                          separate_with.empty() ? "" : ": " + separate_with));
 }
 
 bool hangsOnSides(const std::string& driver) { return driver.starts_with("dir"); }

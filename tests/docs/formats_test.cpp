@@ -178,6 +178,7 @@ TEST_F(Formats, WhatIsWrittenOfACaptureIsWhatThePageShows) {
   runWell("run capture --out results");
   runWell("identify capture --method gao --out gao");
   runWell("fleet results --out fleet.csv");
+  runWell("plan capture --model results/model.yaml --count 5 --candidates 100 --out next.csv");
   WrittenKeys written;
   for (const char* name : {"registration.yaml", "flange_poses.csv", "model.yaml", "identification.json", "diagnosis.json"}) {
     written.add(path("results") / name, name);
@@ -188,6 +189,7 @@ TEST_F(Formats, WhatIsWrittenOfACaptureIsWhatThePageShows) {
   written.expectAllOfTheExamples(path("page"));
   WrittenKeys explained;
   explained.add(path("capture/samples.csv"), "samples.csv");
+  explained.add(path("next.csv"), "next.csv");
 }
 
 TEST_F(Formats, WhatIsWrittenOfPicturesIsWhatThePageShows) {

@@ -75,6 +75,23 @@ PlanningCell withEffect(const PlannedCell& planned, const EffectSpec& spec) {
   return cell;
 }
 
+void addPictures(const Cell& truth, const EffectSpec& spec, const std::vector<PlannedPose>& poses, std::uint64_t seed, PlanningCell& cell) {
+  Rng rng(seed, 78);
+  std::vector<Sample> samples;
+  for (const PlannedPose& pose : poses) samples.emplace_back().q = pose.q;
+  const std::vector<Disturbance> disturbances = disturbancesOf({makeEffect(spec, truth)}, truth, cell.target, cell.taken.gravity, samples);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto px = disturbedCorners(truth, samples[k], cell.target.points, disturbances[k]);
+    std::vector<Corner> corners;
+    for (std::size_t j = 0; j < px.size(); ++j) {
+      corners.push_back({.id = cell.target.points[j].id, .px = *px[j] + kSigma * normalVector(rng, 2), .sigma = kSigma});
+    }
+    cell.taken.addPicture(samples[k], corners);
+  }
+  cell.taken.groups.clear();
+  for (std::size_t k = 0; k < cell.taken.observations.size(); ++k) cell.taken.groups.push_back({k});
+}
+
 std::vector<PlannedPose> randomPoses(const std::string& name, std::uint64_t seed, int count) {
   std::vector<PlannedPose> poses;
   for (const Observation& observation : simulated(name, seed, count, 0).calibration) poses.push_back({observation.q, {}});

@@ -26,6 +26,9 @@ PlannedCell withPictures(const PlannedCell& planned, const std::vector<PlannedPo
 /// effect in the model.
 PlanningCell withEffect(const PlannedCell& planned, const EffectSpec& spec);
 
+/// Adds pictures of the true arm with an effect to what was taken.
+void addPictures(const Cell& truth, const EffectSpec& spec, const std::vector<PlannedPose>& poses, std::uint64_t seed, PlanningCell& cell);
+
 /// As many random visible poses, as scenes draw them.
 std::vector<PlannedPose> randomPoses(const std::string& name, std::uint64_t seed, int count);
 

@@ -32,10 +32,13 @@ constexpr const char* kExample = R"(
 Example:
   $ poecal plan capture --model out/model.yaml --count 20 --out next.csv
   next.csv: 20 poses, in an order that makes a short path
-  tool uncertainty now 0.186 mm, 0.339 mrad (1 sigma, mean over the workspace)
-  after these 20 poses 0.110 mm, 0.199 mrad; random visible poses would need 54
-  checked: joint limits, view, straight links of radius 48 mm against camera, line of sight and flange
+  tool uncertainty now 0.154 mm, 0.397 mrad (1 sigma, mean over the workspace)
+  after these 20 poses 0.102 mm, 0.343 mrad; random visible poses would need 68
+  checked: joint limits, view, straight links of radius 52 mm against camera, line of sight and flange
   not checked: bent links, cables, grippers, fences and the way between poses; look at them in a simulation first
+
+Before the first picture, with the places of camera and target roughly known:
+  $ poecal plan --robot robot.yaml --camera camera.yaml --target target.yaml --camera-at 0.35 0.1 -0.4 --look-at 0.35 0.1 0.3 --out first.csv
 )";
 
 std::string toolText(const ToolUncertainty& tool) {
@@ -61,7 +64,7 @@ std::string oddsText(double odds) {
   return odds >= 1.0 ? fmt::format("{:.2g} : 1", odds) : fmt::format("1 : {:.2g}", 1.0 / odds);
 }
 
-std::string summaryText(const Arguments& arguments, const Plan& plan) {
+std::string summaryText(const Arguments& arguments, const Plan& plan, double corner_sigma) {
   const bool first = arguments.source.capture.folder.empty();
   std::string text = fmt::format("{}: {} poses, in an order that makes a short path\n", arguments.out.string(), plan.poses.size());
   for (const RivalOdds& odds : plan.odds) {
@@ -77,7 +80,7 @@ std::string summaryText(const Arguments& arguments, const Plan& plan) {
   }
   if (!plan.odds.empty() || plan.detection_after) text += randomText(plan) + "\n";
   text += fmt::format("tool uncertainty now {} (1 sigma, mean over the workspace{})\n", toolText(plan.before),
-                      first ? "; from what is stated alone" : "");
+                      first ? fmt::format("; from what is stated, corners of {:.2g} px", corner_sigma) : "");
   text += fmt::format("after these {} poses {}", plan.poses.size(), toolText(plan.after));
   text += arguments.options.aim == PlanAim::kTool ? "; " + randomText(plan) + "\n" : "\n";
   if (plan.sides_matter) text += "dir1.. is part of the plan: let each joint come from that side (1: from below)\n";
@@ -162,7 +165,7 @@ int run(Arguments& arguments, const Common& common) {
   arguments.options.jobs = common.jobs;
   const Plan plan = planPoses(cell, arguments.options);
   writeTextFile(arguments.out, planCsv(plan, cell.taken.samples.size()));
-  printSummary(common, summaryText(arguments, plan), summaryJson(arguments, plan));
+  printSummary(common, summaryText(arguments, plan, cell.noise.corner), summaryJson(arguments, plan));
   return 0;
 }
 
@@ -196,6 +199,9 @@ void addFirstOptions(CLI::App& app, FirstCapture& first, CLI::Option* folder) {
   addPoint(app, "--look-at", first.look_at, "A point that it looks at, in the same frame [m]");
   addPoint(app, "--target-at", first.target_at, "The target's centre in flange [m] (default 0 0 0); eye in hand: in base");
   addPoint(app, "--target-faces", first.target_faces, "Direction that its front faces, in the same frame (default 0 0 1)");
+  app.add_option("--corner-sigma", first.corner_sigma, "Noise to expect of a corner's u and v before the first picture, 1 sigma [px]")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   app.add_option("--rough-position", first.rough_position, "How well these places are known, 1 sigma [m]")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);

@@ -68,6 +68,7 @@ struct ResultSummary {
   std::optional<double> shrinkage, shrinkage_low, shrinkage_high;  ///< unset where none is claimed
   std::optional<long> bad_samples;
   std::vector<std::string> warnings;
+  std::vector<std::string> bad_images;         ///< of the diagnosis' bad_samples
   std::optional<double> noise_scale;           ///< of the identification: factor on the corners' stated deviations
   std::optional<double> corner_sigma_px;       ///< of the diagnosis, or where it gave none of the identification
   std::optional<double> tag_sigma_px;          ///< of the diagnosis [px]

@@ -34,6 +34,7 @@ struct FirstCapture {
   Eigen::Vector3d target_at = Eigen::Vector3d::Zero();      ///< its centre in flange (in hand: in base) [m]
   Eigen::Vector3d target_faces = Eigen::Vector3d::UnitZ();  ///< direction from which its front is seen, likewise
   double rough_position = 0.05;                             ///< 1 sigma of the places [m]
+  double corner_sigma = 0.1;                                ///< noise to expect of a corner's u and v [px]
   double rough_rotation = 0.1;                              ///< 1 sigma of the turns [rad]
 };
 
