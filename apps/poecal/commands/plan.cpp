@@ -61,7 +61,9 @@ std::string percentText(double probability) {
 std::string oddsText(double odds) {
   constexpr double kMany = 1000.0;
   if (odds > kMany) return fmt::format("over {:.0f} : 1", kMany);
-  return odds >= 1.0 ? fmt::format("{:.2g} : 1", odds) : fmt::format("1 : {:.2g}", 1.0 / odds);
+  const auto number = [](double times) { return times < 10.0 ? fmt::format("{:.1f}", times) : fmt::format("{:.0f}", times); };
+  if (odds < 1.0 / kMany) return fmt::format("1 : over {:.0f}", kMany);
+  return odds >= 1.0 ? number(odds) + " : 1" : "1 : " + number(1.0 / odds);
 }
 
 std::string summaryText(const Arguments& arguments, const Plan& plan, double corner_sigma) {
@@ -83,6 +85,12 @@ std::string summaryText(const Arguments& arguments, const Plan& plan, double cor
                       first ? fmt::format("; from what is stated, corners of {:.2g} px", corner_sigma) : "");
   text += fmt::format("after these {} poses {}", plan.poses.size(), toolText(plan.after));
   text += arguments.options.aim == PlanAim::kTool ? "; " + randomText(plan) + "\n" : "\n";
+  constexpr double kHardly = 0.95;
+  if (arguments.options.aim == PlanAim::kTool && plan.after.position > kHardly * plan.before.position) {
+    text +=
+        "poses hardly help any more: what is left hangs on what no picture tells, such as the true size of the tag, or on places never in "
+        "view\n";
+  }
   if (plan.sides_matter) text += "dir1.. is part of the plan: let each joint come from that side (1: from below)\n";
   text += fmt::format("checked: joint limits, view, straight links of radius {:.0f} mm against camera, line of sight and flange{}\n",
                       1e3 * plan.link_radius, arguments.options.floor ? ", and the floor" : "");
