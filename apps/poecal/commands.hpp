@@ -14,6 +14,7 @@ std::function<int()> setUpIdentify(CLI::App& app, const Common& common);
 std::function<int()> setUpIntrinsics(CLI::App& app, const Common& common);
 std::function<int()> setUpMeasure(CLI::App& app, const Common& common);
 std::function<int()> setUpPaper(CLI::App& app, const Common& common);
+std::function<int()> setUpPlan(CLI::App& app, const Common& common);
 std::function<int()> setUpPredict(CLI::App& app, const Common& common);
 std::function<int()> setUpRun(CLI::App& app, const Common& common);
 std::function<int()> setUpSimulate(CLI::App& app, const Common& common);

@@ -36,7 +36,7 @@ constexpr Command kCommands[] = {
     {"effects", "list the effects: what each is, how it shows, what to do about it", setUpEffects},
     {"export", "write the calibrated geometry into a URDF", setUpExport},
     {"paper", "repeat the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},
-    {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
+    {"plan", "the next poses worth taking, or a whole first capture", setUpPlan},
     {"diagnose", "find where the gap lies, which effect causes it, how much it shrinks", setUpDiagnose},
     {"fleet", "put the results of many captures into one table", setUpFleet},
     {"report", "one self-contained page (not built yet)", setUpNotBuilt},

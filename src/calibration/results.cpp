@@ -51,6 +51,11 @@ void readIdentification(const YamlNode& root, ResultSummary& summary) {
     summary.stages.push_back({stage["stage"].text(), findNumber(held_out, "rms_px"), findNumber(held_out["position_mm"], "mean"),
                               findNumber(held_out["rotation_mrad"], "mean")});
   }
+  summary.arm_beyond_tolerance = findNumber(root, "arm_beyond_tolerance");
+  if (const auto noise = root.find("noise")) {
+    summary.noise_scale = findNumber(*noise, "scale");
+    summary.corner_sigma_px = findNumber(*noise, "sigma_px");
+  }
   for (const YamlNode& warning : root["warnings"].items()) summary.warnings.push_back(warning.text());
 }
 
@@ -74,7 +79,21 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
     return;
   }
   for (const YamlNode& finding : root["findings"].items()) {
-    summary.findings.push_back({finding["effect"].text(), finding["location"].text(), sizeOf(finding)});
+    FindingSummary& found = summary.findings.emplace_back();
+    found = {finding["effect"].text(), finding["location"].text(), sizeOf(finding), finding["driver"].text()};
+    found.probability = findNumber(finding, "probability").value_or(1.0);
+    if (const auto way = finding.find("separate_with")) found.separate_with = way->text();
+    const auto alternatives = finding.find("alternatives");
+    for (const YamlNode& other : alternatives ? alternatives->items() : std::vector<YamlNode>{}) {
+      found.alternatives.push_back(
+          {other["effect"].text(), other["location"].text(), other["driver"].text(), other["probability"].number()});
+    }
+  }
+  if (const auto noise = root.find("noise")) {
+    if (const auto sigma = findNumber(*noise, "pixel_sigma")) summary.corner_sigma_px = sigma;
+    summary.tag_sigma_px = findNumber(*noise, "tag_sigma_px");
+    summary.joint_repeatability = findNumber(*noise, "joint_repeatability");
+    if (const auto beyond = findNumber(*noise, "arm_beyond_tolerance")) summary.arm_beyond_tolerance = beyond;
   }
   const YamlNode gap = root["gap"];
   const std::vector<YamlNode> stages = gap["stages"].items();
@@ -90,6 +109,9 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
     summary.shrinkage_high = interval(1);
   }
   summary.bad_samples = static_cast<long>(root["bad_samples"].items().size());
+  for (const YamlNode& bad : root["bad_samples"].items()) {
+    if (const auto image = bad.find("image")) summary.bad_images.push_back(image->text());
+  }
   if (root["remaining"]["significant"].text() == "true") summary.warnings.push_back("structure remains that no finding explains");
 }
 

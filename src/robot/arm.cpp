@@ -133,6 +133,30 @@ AxisOffset axisOffset(const Joint& from, const Joint& to) {
   return offset;
 }
 
+Eigen::VectorXd twistDisplacement(const Arm& nominal, const Arm& arm) {
+  checkSize("joints", arm.jointCount(), nominal.jointCount());
+  constexpr int kSteps = 20;  // Gauss-Newton on a residual that can be zero: digits double at each
+  constexpr double kRounding = 1e-14;
+  Eigen::VectorXd all(twistParameterCount(nominal));
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < nominal.joints.size(); ++k) {
+    if (nominal.joints[k].type != arm.joints[k].type) throw InvalidArgument(fmt::format("joint {} is of another type", k + 1));
+    const Matrix6Xd B = twistBasis(nominal.joints[k]);
+    Eigen::VectorXd beta = Eigen::VectorXd::Zero(B.cols());
+    for (int step = 0; step < kSteps; ++step) {
+      const Vector6d eta = B * beta;
+      const Vector6d xi = adjoint(expSe3(eta)) * nominal.joints[k].xi;
+      const Matrix6Xd D = -adjointOfTwist(xi) * leftJacobianSe3(eta) * B;
+      const Eigen::VectorXd change = D.colPivHouseholderQr().solve(arm.joints[k].xi - xi);
+      beta += change;
+      if (change.norm() < kRounding) break;
+    }
+    all.segment(first, beta.size()) = beta;
+    first += beta.size();
+  }
+  return all;
+}
+
 Matrix6Xd twistJacobian(const Arm& nominal, const Eigen::VectorXd& beta, const Arm& arm, const ArmChain& chain, const Eigen::VectorXd& q) {
   const int parameters = twistParameterCount(nominal);
   checkSize("twist parameters", beta.size(), parameters);

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "cell/sight.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/random.hpp"
 #include "poecal/geometry/se3.hpp"
-#include "simulation/sight.hpp"
 #include "simulation/streams.hpp"
 
 namespace poecal {

@@ -1,15 +1,15 @@
 // Joint readings of a scene, and the exact corners that belong to them.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
+#include "cell/sight.hpp"
+#include "cell/visible_poses.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/random.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/simulation/simulate.hpp"
-#include "simulation/sight.hpp"
 #include "simulation/streams.hpp"
 #include "simulation/true_cell.hpp"
 
@@ -17,56 +17,16 @@ namespace poecal {
 namespace {
 
 constexpr int kDrawsOfPose = 1000;
-constexpr double kPictureMargin = 0.05;       ///< of the picture's width and height
-constexpr double kSmallestTagSide = 40.0;     ///< [px]
-constexpr double kSmallestSquareSide = 15.0;  ///< [px]
-const double kSquarelyCos = std::cos(std::numbers::pi / 3.0);
-/// Beyond this no detector reads a tag, whatever its size: 80 degrees.
-const double kGrazingCos = std::cos(std::numbers::pi * 80.0 / 180.0);
 constexpr double kSecondsBetweenRows = 10.0;
 constexpr double kFastest = 0.1;      ///< joint speeds of captures in motion [rad/s] or [m/s]
 constexpr double kColdStart = 20.0;   ///< [degrees Celsius]
 constexpr double kWarmUp = 15.0;      ///< [K], nearly all of it within the capture
 constexpr double kWarmUpTimes = 3.0;  ///< time constants in a capture
 
-/// Ranges to draw from: the limits, for a revolute joint cut to half a turn either way of their middle.
-std::vector<JointLimits> drawRanges(const Scene& scene) {
-  std::vector<JointLimits> ranges;
-  for (std::size_t k = 0; k < scene.nominal.joints.size(); ++k) {
-    const Joint& joint = scene.nominal.joints[k];
-    const bool revolute = joint.type == JointType::kRevolute;
-    if (!revolute && !joint.limits) {
-      throw FileError(
-          scene.robot_file, 0,
-          fmt::format("joint {} ({}) is prismatic without limits, expected limits to draw its readings from", k + 1, joint.name));
-    }
-    JointLimits range = joint.limits.value_or(JointLimits{-std::numbers::pi, std::numbers::pi});
-    if (revolute && range.upper - range.lower > 2.0 * std::numbers::pi) {
-      const double middle = 0.5 * (range.lower + range.upper);
-      range = {middle - std::numbers::pi, middle + std::numbers::pi};
-    }
-    ranges.push_back(range);
-  }
-  return ranges;
-}
-
-/// A pose worth taking: see drawSamples.
-bool wellInView(const Scene& scene, const Eigen::VectorXd& q) {
-  const Eigen::Isometry3d T_camera_target = scene.registration.cameraTarget(forwardKinematics(scene.actual, q));
-  const double smallest_side = scene.target.hasTags() ? kSmallestTagSide : kSmallestSquareSide;
-  bool any_faces = false;
-  for (const FaceSight& sight : sightOf(scene.camera, scene.target, T_camera_target)) {
-    if (!sight.complete || !inPicture(scene.camera, sight.corners, kPictureMargin)) return false;
-    any_faces = any_faces || (sight.facing_cos >= kSquarelyCos && sight.shortest_side_px >= smallest_side);
-  }
-  return any_faces;
-}
-
 Eigen::VectorXd drawPose(const Scene& scene, const std::vector<JointLimits>& ranges, Rng& rng, int pose) {
-  Eigen::VectorXd q(static_cast<Eigen::Index>(ranges.size()));
   for (int draw = 0; draw < kDrawsOfPose; ++draw) {
-    for (std::size_t k = 0; k < ranges.size(); ++k) q(static_cast<Eigen::Index>(k)) = rng.uniform(ranges[k].lower, ranges[k].upper);
-    if (wellInView(scene, q)) return q;
+    const Eigen::VectorXd q = drawReading(ranges, rng);
+    if (wellInView(scene.camera, scene.target, scene.registration.cameraTarget(forwardKinematics(scene.actual, q)))) return q;
   }
   throw InsufficientData(
       fmt::format("pose {} of {}: the target is not well in view in any of {} random joint positions; expected a registration, "
@@ -100,7 +60,7 @@ Eigen::VectorXd directions(const Eigen::VectorXd& from, const Eigen::VectorXd& t
 
 SampleTable drawSamples(const Scene& scene) {
   if (!scene.samples_file.empty()) return readSamples(scene.samples_file, scene.nominal.jointCount(), &scene.nominal);
-  const std::vector<JointLimits> ranges = drawRanges(scene);
+  const std::vector<JointLimits> ranges = readingRanges(scene.nominal, scene.robot_file);
   Rng rng(scene.seed, streamOf(Purpose::kSamples));
   SampleTable table;
   table.has_joints = true;
@@ -139,7 +99,7 @@ std::vector<ImageCorners> trueCorners(const Scene& scene, const SampleTable& sam
         sight.complete = sight.complete && px[index].has_value();
         corner.px = px[index].value_or(corner.px);
       }
-      if (!sight.complete || sight.facing_cos < kGrazingCos || !inPicture(scene.camera, sight.corners, 0.0)) continue;
+      if (!sight.complete || !sight.readable() || !inPicture(scene.camera, sight.corners, 0.0)) continue;
       image.corners.insert(image.corners.end(), sight.corners.begin(), sight.corners.end());
     }
     std::sort(image.corners.begin(), image.corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });

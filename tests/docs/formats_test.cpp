@@ -110,6 +110,7 @@ TEST_F(Formats, TheTablesOfPosesAndJointsAreRead) {
   ASSERT_THAT(table.poses, SizeIs(3));
   EXPECT_TRUE(table.poses[0].sigma_position && table.poses[0].sigma_rotation && !table.position_only);
   EXPECT_THAT(readJoints(onPage("joints.csv"), arm), SizeIs(2));
+  EXPECT_THAT(readSamples(onPage("next.csv"), arm.jointCount(), &arm).samples, SizeIs(2));
 }
 
 TEST_F(Formats, TheTargetsAreRead) {
@@ -177,6 +178,7 @@ TEST_F(Formats, WhatIsWrittenOfACaptureIsWhatThePageShows) {
   runWell("run capture --out results");
   runWell("identify capture --method gao --out gao");
   runWell("fleet results --out fleet.csv");
+  runWell("plan capture --model results/model.yaml --count 5 --candidates 100 --out next.csv");
   WrittenKeys written;
   for (const char* name : {"registration.yaml", "flange_poses.csv", "model.yaml", "identification.json", "diagnosis.json"}) {
     written.add(path("results") / name, name);
@@ -187,6 +189,7 @@ TEST_F(Formats, WhatIsWrittenOfACaptureIsWhatThePageShows) {
   written.expectAllOfTheExamples(path("page"));
   WrittenKeys explained;
   explained.add(path("capture/samples.csv"), "samples.csv");
+  explained.add(path("next.csv"), "next.csv");
 }
 
 TEST_F(Formats, WhatIsWrittenOfPicturesIsWhatThePageShows) {

@@ -1,4 +1,4 @@
-#include "simulation/sight.hpp"
+#include "cell/sight.hpp"
 
 #include <cmath>
 

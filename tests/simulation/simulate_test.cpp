@@ -7,11 +7,11 @@
 #include <gmock/gmock.h>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "cell/sight.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/robot/robot_file.hpp"
 #include "simulation/scene_files.hpp"
-#include "simulation/sight.hpp"
 #include "support/matchers.hpp"
 
 namespace poecal {

@@ -13,6 +13,10 @@ namespace poecal {
 /// Text of registration.yaml (format poecal-registration/1). @throws InvalidArgument where nothing was registered.
 std::string registrationYaml(const Calibration& calibration, const Measurements& measurements);
 
+/// The two transforms of a registration.yaml, whether `measure` or a person wrote it: further keys are passed over.
+/// @throws FileError: a pose that is missing.
+Registration readRegistration(const std::filesystem::path& file);
+
 /// Text of flange_poses.csv: the flange poses that the camera measured, with every column of samples.csv that is not the controller's own
 /// pose. `identify --poses FILE --registered` and `diagnose` read it: the pose, its deviations and, behind them, its covariance `covIJ` of
 /// (log of the left rotation error in base; position) [rad; m].
@@ -43,6 +47,10 @@ struct StageErrors {
 struct FindingSummary {
   std::string effect, location;
   std::string size;  ///< "half_gap 0.0003 rad, source 5"
+  std::string driver = {};
+  double probability = 0.0;                         ///< among the alternatives
+  std::vector<AlternativeCause> alternatives = {};  ///< that the data leave open
+  std::string separate_with = {};                   ///< what would tell them apart
 };
 
 /// What registration.yaml, identification.json and diagnosis.json of a folder say in short.
@@ -60,6 +68,12 @@ struct ResultSummary {
   std::optional<double> shrinkage, shrinkage_low, shrinkage_high;  ///< unset where none is claimed
   std::optional<long> bad_samples;
   std::vector<std::string> warnings;
+  std::vector<std::string> bad_images;         ///< of the diagnosis' bad_samples
+  std::optional<double> noise_scale;           ///< of the identification: factor on the corners' stated deviations
+  std::optional<double> corner_sigma_px;       ///< of the diagnosis, or where it gave none of the identification
+  std::optional<double> tag_sigma_px;          ///< of the diagnosis [px]
+  std::optional<double> joint_repeatability;   ///< of the diagnosis [rad]
+  std::optional<double> arm_beyond_tolerance;  ///< likewise
 
   /// The errors of a stage; nothing where it is not there.
   const StageErrors* stage(const std::string& stage) const;

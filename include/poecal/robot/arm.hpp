@@ -92,6 +92,10 @@ std::vector<std::string> twistParameterNames(const Arm& arm);
 /// @param beta  twistParameterCount(nominal) values. @throws InvalidArgument if there are more or fewer.
 Arm displaceTwists(const Arm& nominal, const Eigen::VectorXd& beta);
 
+/// The beta with displaceTwists(nominal, beta) nearest to `arm`: its inverse, to 1e-12, for axes that differ by less than a right angle.
+/// @throws InvalidArgument if the arms have other joints.
+Eigen::VectorXd twistDisplacement(const Arm& nominal, const Arm& arm);
+
 /// The difference between two positions of one axis, whichever points on it are given.
 struct AxisOffset {
   double tilt = 0.0;   ///< Angle between the directions [rad], 0..pi.

@@ -18,6 +18,9 @@ struct FaceSight {
   bool complete = false;    ///< every corner has a pixel
   double facing_cos = 1.0;  ///< cosine between the face's normal and the line of sight at its centre; negative from behind
   double shortest_side_px = 0.0;  ///< of a tag's outline, or of a board's squares
+
+  /// Facing within 80 degrees: beyond that no detector reads a tag, whatever its size.
+  bool readable() const;
 };
 
 /// A face for each tag of an apriltag target or an aprilgrid; one for a charuco board or a chessboard. Single points are one face

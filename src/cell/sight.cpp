@@ -1,7 +1,9 @@
-#include "simulation/sight.hpp"
+#include "cell/sight.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace poecal {
 namespace {
@@ -87,6 +89,11 @@ std::vector<FaceSight> sightOf(const Camera& camera, const Target& target, const
     sights.push_back(std::move(sight));
   }
   return sights;
+}
+
+bool FaceSight::readable() const {
+  static const double kGrazingCos = std::cos(std::numbers::pi * 80.0 / 180.0);
+  return facing_cos >= kGrazingCos;
 }
 
 bool inPicture(const Camera& camera, const std::vector<Corner>& corners, double margin) {
