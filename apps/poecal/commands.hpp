@@ -5,6 +5,7 @@
 
 namespace poecal::app {
 
+std::function<int()> setUpCompensate(CLI::App& app, const Common& common);
 std::function<int()> setUpDetect(CLI::App& app, const Common& common);
 std::function<int()> setUpDiagnose(CLI::App& app, const Common& common);
 std::function<int()> setUpEffects(CLI::App& app, const Common& common);

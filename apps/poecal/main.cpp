@@ -33,6 +33,7 @@ constexpr Command kCommands[] = {
     {"measure", "find where camera and target are, then measure the poses of the flange", setUpMeasure},
     {"identify", "find the arm's axes", setUpIdentify},
     {"predict", "write the corners or flange poses that a model expects", setUpPredict},
+    {"compensate", "the joints to command so that the real arm goes where it should", setUpCompensate},
     {"effects", "list the effects: what each is, how it shows, what to do about it", setUpEffects},
     {"export", "write the calibrated geometry into a URDF", setUpExport},
     {"paper", "repeat the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},

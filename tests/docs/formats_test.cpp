@@ -110,6 +110,7 @@ TEST_F(Formats, TheTablesOfPosesAndJointsAreRead) {
   ASSERT_THAT(table.poses, SizeIs(3));
   EXPECT_TRUE(table.poses[0].sigma_position && table.poses[0].sigma_rotation && !table.position_only);
   EXPECT_THAT(readJoints(onPage("joints.csv"), arm), SizeIs(2));
+  EXPECT_THAT(readWantedPoses(onPage("wanted.csv"), arm).samples, SizeIs(2));
 }
 
 TEST_F(Formats, TheTargetsAreRead) {
@@ -184,6 +185,8 @@ TEST_F(Formats, WhatIsWrittenOfACaptureIsWhatThePageShows) {
   written.add(path("gao/identification.json"), "identification.json");
   written.add(path("fleet.csv"), "fleet.csv");
   written.add(path("capture-truth/truth.yaml"), "truth.yaml");
+  runWell("compensate --model results/model.yaml --joints capture/samples.csv --robot capture/cobot6.urdf --leave-out --out commands.csv");
+  written.add(path("commands.csv"), "commands.csv");
   written.expectAllOfTheExamples(path("page"));
   WrittenKeys explained;
   explained.add(path("capture/samples.csv"), "samples.csv");
