@@ -18,5 +18,6 @@ std::function<int()> setUpPaper(CLI::App& app, const Common& common);
 std::function<int()> setUpPredict(CLI::App& app, const Common& common);
 std::function<int()> setUpRun(CLI::App& app, const Common& common);
 std::function<int()> setUpSimulate(CLI::App& app, const Common& common);
+std::function<int()> setUpTarget(CLI::App& app, const Common& common);
 
 }  // namespace poecal::app

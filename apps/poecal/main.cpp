@@ -27,6 +27,7 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 
 constexpr Command kCommands[] = {
     {"run", "the main job: lens if needed, corners, registration, identification, diagnosis", setUpRun},
+    {"target", "a tag or board to print at true scale, and its target.yaml", setUpTarget},
     {"simulate", "draw a capture whose truth is known", setUpSimulate},
     {"intrinsics", "find the lens from pictures of a board", setUpIntrinsics},
     {"detect", "find the target's corners in every picture", setUpDetect},
