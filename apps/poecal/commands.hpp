@@ -5,6 +5,7 @@
 
 namespace poecal::app {
 
+std::function<int()> setUpCheck(CLI::App& app, const Common& common);
 std::function<int()> setUpCompensate(CLI::App& app, const Common& common);
 std::function<int()> setUpDetect(CLI::App& app, const Common& common);
 std::function<int()> setUpDiagnose(CLI::App& app, const Common& common);
@@ -14,6 +15,7 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common);
 std::function<int()> setUpIdentify(CLI::App& app, const Common& common);
 std::function<int()> setUpIntrinsics(CLI::App& app, const Common& common);
 std::function<int()> setUpMeasure(CLI::App& app, const Common& common);
+std::function<int()> setUpNew(CLI::App& app, const Common& common);
 std::function<int()> setUpPaper(CLI::App& app, const Common& common);
 std::function<int()> setUpPredict(CLI::App& app, const Common& common);
 std::function<int()> setUpRun(CLI::App& app, const Common& common);

@@ -28,6 +28,8 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 constexpr Command kCommands[] = {
     {"run", "the main job: lens if needed, corners, registration, identification, diagnosis", setUpRun},
     {"target", "a tag or board to print at true scale, and its target.yaml", setUpTarget},
+    {"new", "a capture folder to fill in", setUpNew},
+    {"check", "judge a capture before anything is fitted", setUpCheck},
     {"simulate", "draw a capture whose truth is known", setUpSimulate},
     {"intrinsics", "find the lens from pictures of a board", setUpIntrinsics},
     {"detect", "find the target's corners in every picture", setUpDetect},

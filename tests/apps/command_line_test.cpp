@@ -67,7 +67,7 @@ TEST_P(EachCommand, HelpShowsARun) {
 
 INSTANTIATE_TEST_SUITE_P(All, EachCommand,
                          ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "diagnose", "predict",
-                                           "compensate", "effects", "export", "fleet", "paper", "target"),
+                                           "compensate", "effects", "export", "fleet", "paper", "target", "new", "check"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 class CommandOfLater : public ::testing::TestWithParam<const char*> {};
