@@ -101,8 +101,10 @@ DhTable tableOf(const Arm& arm, const DhTable* like) {
 }
 
 std::string rowText(const DhRow& row) {
-  return fmt::format("{{a: {}, alpha: {}, d: {}, theta: {}, beta: {}}}", formatNumber(row.a), formatNumber(row.alpha), formatNumber(row.d),
-                     formatNumber(row.theta), formatNumber(row.beta));
+  constexpr double kRounding = 1e-15;  // of what is 0 in a data sheet
+  const auto number = [](double value) { return formatNumber(std::abs(value) < kRounding ? 0.0 : value); };
+  return fmt::format("{{a: {}, alpha: {}, d: {}, theta: {}, beta: {}}}", number(row.a), number(row.alpha), number(row.d), number(row.theta),
+                     number(row.beta));
 }
 
 bool isNone(const Eigen::Isometry3d& T) {

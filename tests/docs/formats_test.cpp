@@ -187,9 +187,16 @@ TEST_F(Formats, WhatIsWrittenOfACaptureIsWhatThePageShows) {
   written.add(path("capture-truth/truth.yaml"), "truth.yaml");
   runWell("compensate --model results/model.yaml --joints capture/samples.csv --robot capture/cobot6.urdf --leave-out --out commands.csv");
   written.add(path("commands.csv"), "commands.csv");
+  runWell(
+      "export results/model.yaml --urdf capture/cobot6.urdf --transforms tf.yaml --dh dh.yaml --joint-table table.csv --camera-info "
+      "ci.yaml");
+  written.add(path("tf.yaml"), "transforms.yaml");
+  written.add(path("dh.yaml"), "dh.yaml");
+  written.add(path("table.csv"), "joint-table.csv");
   written.expectAllOfTheExamples(path("page"));
   WrittenKeys explained;
   explained.add(path("capture/samples.csv"), "samples.csv");
+  explained.add(path("ci.yaml"), "camera.yaml");
 }
 
 TEST_F(Formats, WhatIsWrittenOfPicturesIsWhatThePageShows) {
