@@ -114,7 +114,7 @@ std::vector<fs::path> createCapture(const NewCapture& given) {
   chooseEnds(capture);
   const Arm arm = readArm(capture.robot, capture.base_link, capture.tip_link);
   readTarget(capture.target);
-  if (!capture.camera.empty()) readCamera(capture.camera);
+  if (!capture.camera.empty()) readCameraOfPictures(capture.camera);
   if (!capture.board.empty()) readTarget(capture.board);
   std::string robot = capture.robot.filename().string();
   if (robot == "target.yaml" || robot == "camera.yaml" || robot == "capture.yaml") robot = "robot.yaml";

@@ -115,18 +115,23 @@ void report(const Common& common, const CompensateOptions& options, const Model&
 }
 
 /// Rows that cannot be reached: none are left out unless it was asked for, since a program of the robot would have holes there.
-void refuseUnreached(const CompensateOptions& options, const SampleTable& wanted, const std::vector<JointCommand>& commands) {
-  std::size_t missing = 0;
-  std::string first;
+void refuseUnreached(const CompensateOptions& options, const Common& common, const SampleTable& wanted,
+                     const std::vector<JointCommand>& commands) {
+  std::vector<std::string> rows;
   for (std::size_t k = 0; k < commands.size(); ++k) {
     if (commands[k].why_not.empty()) continue;
-    const std::string row = fmt::format("{}:{}: {}", wanted.file.string(), wanted.samples[k].line, commands[k].why_not);
-    if (missing++ == 0) first = row;
-    warn(row);
+    rows.push_back(fmt::format("{}:{}: {}", wanted.file.string(), wanted.samples[k].line, commands[k].why_not));
   }
-  if (missing == 0 || (options.leave_out && missing < commands.size())) return;
+  if (rows.empty()) return;
+  if (options.leave_out && rows.size() < commands.size()) {
+    TerminalListener(common).warnings(rows);
+    return;
+  }
+  const std::string first = rows.front();
+  rows.erase(rows.begin());
+  TerminalListener(common).warnings(rows);
   throw InsufficientData(
-      fmt::format("{} ({} of {} rows cannot be reached; --leave-out writes the others)", first, missing, commands.size()));
+      fmt::format("{} ({} of {} rows cannot be reached; --leave-out writes the others)", first, rows.size() + 1, commands.size()));
 }
 
 /// Near a singular posture a small correction of the flange is a large one of the joints.
@@ -160,7 +165,7 @@ int runCompensate(const CompensateOptions& options, const Common& common) {
   if (wanted.samples.empty()) throw InsufficientData(wanted.file.string() + ": no rows, expected one per pose");
   const RealArm arm{.arm = *model.cell.arm, .effects = model.effects, .gravity = model.gravity};
   const std::vector<JointCommand> commands = compensate(arm, wanted, nominal ? &*nominal : nullptr);
-  refuseUnreached(options, wanted, commands);
+  refuseUnreached(options, common, wanted, commands);
   if (nominal) warnOfLargeMoves(wanted, commands);
   writeTextFile(options.out, commandsCsv(wanted, commands));
   report(common, options, model, summaryOf(arm, wanted, commands), nominal.has_value());
@@ -174,11 +179,12 @@ Effects that follow dir1.., stamp, temperature, payload or another column need i
 come straight from the row before.
 
 Example:
-  $ poecal compensate --model out/model.yaml --joints program.csv --robot capture/cobot6.urdf --out commands.csv
-  joints for 40 of 40 rows, 1 effect of the arm compensated: commands.csv
+  $ poecal compensate --model out/model.yaml --joints program.csv --robot capture/cobot6.urdf --out commands.csv --leave-out
+  joints for 58 of 60 rows, 1 effect of the arm compensated: commands.csv
     flange off by  mean [mm]  max [mm]  mean [mrad] max [mrad]
-    as meant           5.870    11.057       7.373    12.657
-    compensated        0.000     0.000       0.000     0.000
+    as meant         5.870    11.057       7.373    12.657
+    compensated      0.000     0.000       0.000     0.000
+as meant: with the joints of the table, as the model has it. Beyond that the tool is off by what the calibration's noise allows.
 )";
 
 }  // namespace

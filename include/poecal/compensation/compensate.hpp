@@ -43,7 +43,8 @@ struct JointCommand {
   std::string why_not;                                              ///< why the wanted pose is not reached; one clause. Empty where it is
 };
 
-/// Solves f(q) = T_wanted for q within the joints' limits, one row after the other.
+/// Solves f(q) = T_wanted for q within the joints' limits, one row after the other. Base and flange are those of the model: what no camera
+/// can tell of them stays as the calibration put it.
 ///
 /// Each step is that of Levenberg and Marquardt with the damping |e|^2 / 2, e = (0.1 m log(R_wanted R^T); p_wanted - p): the smallest
 /// motion of the joints that serves, so that an arm of more than six joints stays near the start. An arm of fewer than six comes as near as
