@@ -10,13 +10,15 @@ packages=(
   # find_package in CMakeLists.txt, and xxhash.h
   libapriltag-dev libboost-dev libceres-dev libeigen3-dev libfmt-dev libopencv-dev libtbb-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev
   libxxhash-dev nlohmann-json3-dev
+  # cairo.h, and the font of what is printed
+  libcairo2-dev fonts-dejavu-core
   # find_package in apps/ and tests/
   libcli11-dev libgmock-dev libgtest-dev liborocos-kdl-dev
 )
 for option in "$@"; do
   case $option in
     --workflow) packages+=(snakemake) ;;
-    --ci) packages+=(clang-format clang-tidy doxygen) ;;
+    --ci) packages+=(clang-format clang-tidy doxygen librsvg2-bin poppler-utils) ;;
     *)
       echo "error: unknown option $option, expected --workflow or --ci" >&2
       exit 2

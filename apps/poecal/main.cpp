@@ -27,12 +27,16 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 
 constexpr Command kCommands[] = {
     {"run", "the main job: lens if needed, corners, registration, identification, diagnosis", setUpRun},
+    {"target", "a tag or board to print at true scale, and its target.yaml", setUpTarget},
+    {"new", "a capture folder to fill in", setUpNew},
+    {"check", "judge a capture before anything is fitted", setUpCheck},
     {"simulate", "draw a capture whose truth is known", setUpSimulate},
     {"intrinsics", "find the lens from pictures of a board", setUpIntrinsics},
     {"detect", "find the target's corners in every picture", setUpDetect},
     {"measure", "find where camera and target are, then measure the poses of the flange", setUpMeasure},
     {"identify", "find the arm's axes", setUpIdentify},
     {"predict", "write the corners or flange poses that a model expects", setUpPredict},
+    {"compensate", "the joints to command so that the real arm goes where it should", setUpCompensate},
     {"effects", "list the effects: what each is, how it shows, what to do about it", setUpEffects},
     {"export", "write the calibrated geometry into a URDF", setUpExport},
     {"paper", "repeat the experiment of Gao, Wang and Jiang (2013), section 4", setUpPaper},

@@ -140,18 +140,35 @@ std::vector<std::vector<std::size_t>> poseGroups(const std::vector<Sample>& samp
   return groups;
 }
 
-std::vector<Sample> readJoints(const std::filesystem::path& file, const Arm& arm) {
+SampleTable readJointTable(const std::filesystem::path& file, const Arm& arm) {
   const CsvTable csv = CsvTable::read(file);
   const SampleColumns columns(csv, arm.jointCount(), {"image", "x", "y", "z", "qx", "qy", "qz", "qw"});
   if (!columns.hasJoints()) csv.column("q1");
   const auto image = csv.findColumn("image");
-  std::vector<Sample> samples;
+  SampleTable table{.file = file, .samples = {}, .other_columns = columns.otherColumns(), .has_joints = true};
   for (std::size_t row = 0; row < csv.rowCount(); ++row) {
-    samples.push_back(columns.read(row));
-    if (image) samples.back().image = imageName(csv.text(row, *image));
+    table.samples.push_back(columns.read(row));
+    if (image) table.samples.back().image = imageName(csv.text(row, *image));
   }
-  checkReadings(file, samples, arm);
-  return samples;
+  checkReadings(file, table.samples, arm);
+  return table;
+}
+
+std::vector<Sample> readJoints(const std::filesystem::path& file, const Arm& arm) { return readJointTable(file, arm).samples; }
+
+SampleTable readWantedPoses(const std::filesystem::path& file, const Arm& arm) {
+  const CsvTable csv = CsvTable::read(file);
+  const SampleColumns columns(csv, arm.jointCount(), {"image", "x", "y", "z", "qx", "qy", "qz", "qw"});
+  std::array<std::size_t, 7> pose{};
+  for (std::size_t k = 0; k < pose.size(); ++k) pose[k] = csv.column(kPoseColumns[k]);
+  SampleTable table{.file = file, .samples = {}, .other_columns = columns.otherColumns(), .has_joints = columns.hasJoints()};
+  table.has_flange_poses = true;
+  for (std::size_t row = 0; row < csv.rowCount(); ++row) {
+    table.samples.push_back(columns.read(row));
+    table.samples.back().T_base_flange = readPoseCells(csv, row, pose);
+  }
+  if (table.has_joints) checkReadings(file, table.samples, arm);
+  return table;
 }
 
 }  // namespace poecal

@@ -402,7 +402,9 @@ Identification identify(const Cell& cell, const Measurements& measurements, cons
                         const RegistrationResult* registration) {
   options.validate();
   if (!cell.arm) throw InvalidArgument("identification needs an arm");
-  return Identifier(cell, measurements, options, registration).run();
+  Identification result = Identifier(cell, measurements, options, registration).run();
+  result.model.gravity = measurements.gravity;
+  return result;
 }
 
 }  // namespace poecal

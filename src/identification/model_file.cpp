@@ -70,6 +70,7 @@ std::string modelYaml(const Model& model) {
   if (model.cell.camera) text += "camera:\n" + cameraYamlBlock(*model.cell.camera, 2);
   if (model.target) text += "target:\n" + targetYamlLines(*model.target, "  ");
   text += registrationYaml(model);
+  text += fmt::format("gravity: {}\n", yamlVector(model.gravity));
   text += effectsYaml(model.effects);
   return text;
 }
@@ -77,7 +78,7 @@ std::string modelYaml(const Model& model) {
 Model readModel(const std::filesystem::path& file) {
   const YamlNode root = YamlNode::load(file);
   root.checkFormat("poecal-model/1");
-  root.checkKeys({"format", "method", "setup", "source", "robot", "camera", "target", "registration", "effects"});
+  root.checkKeys({"format", "method", "setup", "source", "robot", "camera", "target", "registration", "gravity", "effects"});
   Model model;
   if (const auto method = root.find("method")) model.method = method->text();
   if (const auto source = root.find("source")) {
@@ -90,6 +91,7 @@ Model readModel(const std::filesystem::path& file) {
   if (const auto camera = root.find("camera")) model.cell.camera = parseCamera(*camera);
   if (const auto target = root.find("target")) model.target = parseTarget(*target);
   readRegistration(root, model);
+  if (const auto gravity = root.find("gravity")) model.gravity = gravity->vector3();
   constexpr bool kAsFound = true;
   if (const auto effects = root.find("effects")) model.effects = readEffects(*effects, model.cell, kAsFound);
   return model;

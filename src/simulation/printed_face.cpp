@@ -82,6 +82,19 @@ Eigen::AlignedBox2d PrintedFace::bounds() const {
   return {Eigen::Vector2d(x_edges_.front(), y_edges_.front()), Eigen::Vector2d(x_edges_.back(), y_edges_.back())};
 }
 
+std::vector<Eigen::AlignedBox2d> PrintedFace::runs(Tile tile) const {
+  std::vector<Eigen::AlignedBox2d> boxes;
+  const std::size_t columns = x_edges_.size() - 1;
+  for (std::size_t y = 0; y + 1 < y_edges_.size(); ++y) {
+    for (std::size_t x = 0, end = 0; x < columns; x = end + 1) {
+      end = x;
+      while (end < columns && cells_[y * columns + end] == tile) ++end;
+      if (end > x) boxes.push_back({Eigen::Vector2d(x_edges_[x], y_edges_[y]), Eigen::Vector2d(x_edges_[end], y_edges_[y + 1])});
+    }
+  }
+  return boxes;
+}
+
 int PrintedFace::cellAt(double x, double y) const {
   const auto x_upper = std::upper_bound(x_edges_.begin(), x_edges_.end(), x);
   const auto y_upper = std::upper_bound(y_edges_.begin(), y_edges_.end(), y);

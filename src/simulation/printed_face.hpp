@@ -29,6 +29,8 @@ class PrintedFace {
   const Eigen::Isometry3d& T_target_face() const { return T_target_face_; }
   /// Bounds of everything painted.
   Eigen::AlignedBox2d bounds() const;
+  /// What is painted with a tile, as rectangles beside each other: runs of cells of each row [m].
+  std::vector<Eigen::AlignedBox2d> runs(Tile tile) const;
   /// Index of the cell that holds a point of the plane; -1 outside the bounds. Cells are convex.
   int cellAt(double x, double y) const;
   /// What a convex quadrilateral of the plane, its corners in order around it, is painted with: polygons cut along the cells' borders.

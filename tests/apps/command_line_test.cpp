@@ -67,7 +67,7 @@ TEST_P(EachCommand, HelpShowsARun) {
 
 INSTANTIATE_TEST_SUITE_P(All, EachCommand,
                          ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "diagnose", "predict",
-                                           "effects", "export", "fleet", "paper", "plan"),
+                                           "compensate", "effects", "export", "fleet", "paper", "plan", "target", "new", "check"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 class CommandOfLater : public ::testing::TestWithParam<const char*> {};

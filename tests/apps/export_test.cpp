@@ -121,5 +121,43 @@ TEST_F(Export, BadInputIsStatusThreeWithItsPlace) {
   EXPECT_THAT(result.err, HasSubstr("poecal: error: model.yaml:3: "));
 }
 
+TEST_F(Export, EveryFileComesFromOneCall) {
+  Model more = fromUrdf("link_0", "link_7");
+  more.cell.camera = Camera{};
+  more.cell.camera->width = 640;
+  more.cell.camera->height = 480;
+  more.cell.camera->fx = more.cell.camera->fy = 500.0;
+  more.cell.camera->distortion = Eigen::VectorXd::Zero(5);
+  place(test::kSevenJoints, more);
+  const test::ProgramRun result =
+      run("--camera-info out/camera.yaml --transforms out/tf.yaml --dh out/dh.yaml --joint-table out/joints.csv --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  for (const char* key : {"urdf", "camera_info", "transforms", "dh", "joint_table"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_.path() / json[key].get<std::string>())) << key;
+  }
+  expectExported("link_0", "link_7");
+}
+
+TEST_F(Export, ARobotYamlServesWhereThereIsNoUrdf) {
+  folder_.write("robot.yaml", robotYaml(arm_));
+  const test::ProgramRun result = test::runProgram(folder_.path(), "export model.yaml --robot robot.yaml --dh dh.yaml");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(readTextFile(folder_.path() / "dh.yaml"), HasSubstr("format: poecal-dh/1"));
+}
+
+TEST_F(Export, WhatIsMissingIsSaidAndNothingIsWritten) {
+  const auto expectWrong = [this](const std::string& options, const std::string& message) {
+    const test::ProgramRun result = test::runProgram(folder_.path(), "export model.yaml " + options);
+    EXPECT_EQ(result.status, 2) << options;
+    EXPECT_THAT(result.err, HasSubstr(message)) << options;
+  };
+  expectWrong("", "export needs a file to write");
+  expectWrong("--out x.urdf", "--out needs --urdf");
+  expectWrong("--dh dh.yaml", "need the nominal arm");
+  expectWrong("--urdf arm.urdf --dh dh.yaml --camera-info ci.yaml", "this model has no camera");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "dh.yaml"));
+}
+
 }  // namespace
 }  // namespace poecal

@@ -111,6 +111,7 @@ TEST_F(Formats, TheTablesOfPosesAndJointsAreRead) {
   EXPECT_TRUE(table.poses[0].sigma_position && table.poses[0].sigma_rotation && !table.position_only);
   EXPECT_THAT(readJoints(onPage("joints.csv"), arm), SizeIs(2));
   EXPECT_THAT(readSamples(onPage("next.csv"), arm.jointCount(), &arm).samples, SizeIs(2));
+  EXPECT_THAT(readWantedPoses(onPage("wanted.csv"), arm).samples, SizeIs(2));
 }
 
 TEST_F(Formats, TheTargetsAreRead) {
@@ -186,10 +187,19 @@ TEST_F(Formats, WhatIsWrittenOfACaptureIsWhatThePageShows) {
   written.add(path("gao/identification.json"), "identification.json");
   written.add(path("fleet.csv"), "fleet.csv");
   written.add(path("capture-truth/truth.yaml"), "truth.yaml");
+  runWell("compensate --model results/model.yaml --joints capture/samples.csv --robot capture/cobot6.urdf --leave-out --out commands.csv");
+  written.add(path("commands.csv"), "commands.csv");
+  runWell(
+      "export results/model.yaml --urdf capture/cobot6.urdf --transforms tf.yaml --dh dh.yaml --joint-table table.csv --camera-info "
+      "ci.yaml");
+  written.add(path("tf.yaml"), "transforms.yaml");
+  written.add(path("dh.yaml"), "dh.yaml");
+  written.add(path("table.csv"), "joint-table.csv");
   written.expectAllOfTheExamples(path("page"));
   WrittenKeys explained;
   explained.add(path("capture/samples.csv"), "samples.csv");
   explained.add(path("next.csv"), "next.csv");
+  explained.add(path("ci.yaml"), "camera.yaml");
 }
 
 TEST_F(Formats, WhatIsWrittenOfPicturesIsWhatThePageShows) {

@@ -78,6 +78,7 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
     if (options->capture.empty() == options->joints.empty()) throw InvalidArgument("predict needs a CAPTURE or --joints");
     const Model model = readModel(options->model);
     Capture capture;
+    capture.gravity = model.gravity;
     if (!options->capture.empty()) capture = readCapture(options->capture);
     std::vector<std::filesystem::path> inputs = filesOf(capture, true);
     inputs.insert(inputs.end(), {options->model, options->joints});

@@ -75,6 +75,12 @@ std::string samplesCsv(const SampleTable& table);
 
 /// Reads a table of joint readings (q1..qn, and image where pictures are meant) for an arm; its other columns as samples.csv has them.
 std::vector<Sample> readJoints(const std::filesystem::path& file, const Arm& arm);
+/// The same with the names of its other columns.
+SampleTable readJointTable(const std::filesystem::path& file, const Arm& arm);
+
+/// Reads a table of poses that the flange should go to: x, y, z, qx, qy, qz, qw as Sample::T_base_flange; joints from which a search
+/// begins, and other columns, as samples.csv has them. Errors as readCapture.
+SampleTable readWantedPoses(const std::filesystem::path& file, const Arm& arm);
 
 /// One row of poses.csv: a measured pose, or a position alone.
 struct MeasuredPose {

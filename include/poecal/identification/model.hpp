@@ -25,9 +25,10 @@ struct Model {
   Cell cell;  ///< its arm calibrated, its camera with standard deviations; no camera for models from poses
   std::optional<Target> target;
   ModelDeviation deviation;
-  std::vector<AppliedEffect> effects;     ///< found by a diagnosis; what it stands beside is `cell`
-  std::string method;                     ///< "gao", "weighted", "bundle"
-  std::string urdf, base_link, tip_link;  ///< where the arm came from a URDF
+  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  ///< in base [m/s^2]
+  std::vector<AppliedEffect> effects;           ///< found by a diagnosis; what it stands beside is `cell`
+  std::string method;                           ///< "gao", "weighted", "bundle"
+  std::string urdf, base_link, tip_link;        ///< where the arm came from a URDF
 };
 
 /// Text of model.yaml (format poecal-model/1).

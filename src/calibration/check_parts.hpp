@@ -1,0 +1,37 @@
+// The parts of a check, each of which adds what it has to say.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "poecal/calibration/check_capture.hpp"
+#include "poecal/capture/capture.hpp"
+
+namespace poecal {
+
+/// What has been said so far.
+class CheckList {
+ public:
+  void add(CheckLevel level, const std::string& topic, const std::string& text) { check_.items.push_back({level, topic, text}); }
+  /// Does `work`; what it throws on purpose is said instead, once. @returns whether it came to its end.
+  bool attempt(const std::string& topic, const std::function<void()>& work);
+  const CaptureCheck& check() const { return check_; }
+
+ private:
+  CaptureCheck check_;
+};
+
+/// "3 poses", "1 pose".
+std::string counted(std::size_t count, const std::string& thing);
+
+/// Rows, poses, repeats, how far the joints and the flange moved, and columns that a diagnosis would want.
+/// @param arm  nullptr where the table has no joints.
+void checkSamples(const Arm* arm, const SampleTable& table, CheckList& list);
+/// Whether the pictures are there and as large as the camera says; of detections.csv where there is one: how much of the picture was seen.
+void checkPictures(const Capture& capture, CheckList& list);
+void checkIntrinsicsFolder(const std::filesystem::path& folder, CheckList& list);
+/// Tries the detector.
+void checkDetector(const Capture& capture, const CheckOptions& options, CheckList& list);
+
+}  // namespace poecal

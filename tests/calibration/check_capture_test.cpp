@@ -1,0 +1,205 @@
+// A new capture folder, filled in step by step and wrongly, as `check` judges it.
+#include "poecal/calibration/check_capture.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "poecal/calibration/new_capture.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+#include "support/random.hpp"
+#include "support/temp_folder.hpp"
+
+namespace poecal {
+
+// Without it GoogleTest prints bytes.
+void PrintTo(const CheckItem& item, std::ostream* out) { *out << checkLevelName(item.level) << " " << item.topic << ": " << item.text; }
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
+
+const fs::path kCobot = fs::path(POECAL_SOURCE_DIR) / "calib_data/cobot6";
+
+auto says(CheckLevel level, const std::string& topic, const std::string& text) {
+  return AllOf(Field(&CheckItem::level, level), Field(&CheckItem::topic, topic), Field(&CheckItem::text, HasSubstr(text)));
+}
+
+/// What a PNG begins with: all that is read of a picture.
+std::string pngHeader(unsigned width, unsigned height) {
+  std::string bytes = std::string("\x89PNG\r\n\x1a\n") + std::string("\0\0\0\rIHDR", 8);
+  for (const unsigned side : {width, height}) {
+    for (const unsigned shift : {24U, 16U, 8U, 0U}) bytes += static_cast<char>(side >> shift & 0xffU);
+  }
+  return bytes + std::string("\x08\0\0\0\0", 5) + std::string(4, '\0');
+}
+
+class CheckCapture : public ::testing::Test {
+ protected:
+  void create(const fs::path& camera = kCobot / "camera.yaml") {
+    createCapture({.folder = folder_.path() / "capture",
+                   .robot = kCobot / "cobot6.urdf",
+                   .base_link = "",
+                   .tip_link = "flange",
+                   .target = kCobot / "target.yaml",
+                   .camera = camera});
+  }
+  /// Rows below the header that is there; joints within the limits, times `scale`.
+  void fill(int rows, double scale = 1.0, const std::string& stamp = "1.5") {
+    Rng rng(4);
+    std::string text = readTextFile(file("samples.csv"));
+    for (int row = 0; row < rows; ++row) {
+      text += fmt::format("images/{:04}.png", row);
+      for (const double middle : {0.0, -1.3, 0.0, 0.0, 0.0, 0.0}) text += fmt::format(",{}", scale * (middle + rng.uniform(-1.2, 1.2)));
+      text += "," + stamp + "\n";
+    }
+    folder_.write("capture/samples.csv", text);
+  }
+  void takePictures(int count, unsigned width = 1280, unsigned height = 960) {
+    for (int k = 0; k < count; ++k) folder_.write(fmt::format("capture/images/{:04}.png", k), pngHeader(width, height));
+  }
+  fs::path file(const std::string& name) const { return folder_.path() / "capture" / name; }
+  CaptureCheck check() const { return checkCapture(folder_.path() / "capture"); }
+
+  test::TempFolder folder_;
+};
+
+TEST_F(CheckCapture, ANewFolderSaysWhatIsStillEmpty) {
+  create({});
+  const CaptureCheck empty = check();
+  EXPECT_EQ(empty.exitStatus(), 3);
+  EXPECT_THAT(empty.items, Contains(says(CheckLevel::kError, "intrinsics", "target.yaml:1: ")));
+  EXPECT_THAT(empty.items, Contains(says(CheckLevel::kTooLittle, "intrinsics", "0 pictures")));
+  EXPECT_THAT(empty.items, Contains(says(CheckLevel::kTooLittle, "samples", "no rows")));
+  EXPECT_THAT(empty.items, Contains(says(CheckLevel::kOk, "robot", "6 joints, 5 of them with limits, link masses")));
+}
+
+TEST_F(CheckCapture, AFilledOneCanBeCalibrated) {
+  create();
+  fill(45);
+  takePictures(45);
+  const CaptureCheck good = check();
+  EXPECT_EQ(good.exitStatus(), 0);
+  EXPECT_THAT(good.items, Contains(says(CheckLevel::kOk, "samples", "45 rows, 45 poses, 0 of them taken more than once")));
+  EXPECT_THAT(good.items, Contains(says(CheckLevel::kOk, "pictures", "45 of 1280 x 960 px")));
+  EXPECT_THAT(good.items, Contains(says(CheckLevel::kAdvice, "columns", "no dir1..")));
+  EXPECT_THAT(good.items, Contains(says(CheckLevel::kAdvice, "columns", "joint_backlash")));
+  EXPECT_THAT(good.items, Not(Contains(says(CheckLevel::kAdvice, "columns", "no stamp"))));
+}
+
+TEST_F(CheckCapture, FewPosesAreTooFewOrSaidToBe) {
+  create();
+  fill(4);
+  takePictures(4);
+  EXPECT_EQ(check().exitStatus(), 4);
+  EXPECT_THAT(check().items, Contains(says(CheckLevel::kTooLittle, "samples", "at least 7 poses are needed")));
+  folder_.write("capture/samples.csv",
+                readTextFile(file("samples.csv")).substr(0, readTextFile(file("samples.csv")).find("images/0000.png,")));
+  fill(20);
+  takePictures(20);
+  EXPECT_EQ(check().exitStatus(), 0);
+  EXPECT_THAT(check().items, Contains(says(CheckLevel::kAdvice, "samples", "40 poses or more")));
+}
+
+TEST_F(CheckCapture, DegreesAreNamed) {
+  create();
+  fill(10, 57.29578);
+  EXPECT_EQ(check().exitStatus(), 3);
+  EXPECT_THAT(check().items, Contains(says(CheckLevel::kError, "samples", "are the readings in degrees?")));
+}
+
+TEST_F(CheckCapture, OneMistakeDoesNotHideTheNext) {
+  create();
+  folder_.write("capture/target.yaml", "type: apriltag\nfamily: tag36h11\ntags:\n  - {id: 7}\n");
+  folder_.write("capture/camera.yaml", "image_width: 10\n");
+  fill(10, 57.29578);
+  const CaptureCheck bad = check();
+  for (const char* topic : {"target", "camera", "samples"}) EXPECT_THAT(bad.items, Contains(says(CheckLevel::kError, topic, ".")));
+  std::vector<std::string> texts;
+  for (const CheckItem& item : bad.items) texts.push_back(item.text);
+  std::sort(texts.begin(), texts.end());
+  EXPECT_EQ(std::adjacent_find(texts.begin(), texts.end()), texts.end()) << "the same is said twice";
+}
+
+TEST_F(CheckCapture, PicturesThatAreMissingOtherOrNoneAreCounted) {
+  create();
+  fill(20);
+  takePictures(10);
+  folder_.write("capture/images/0003.png", "no picture");
+  folder_.write("capture/images/0004.png", pngHeader(640, 480));
+  const CaptureCheck bad = check();
+  EXPECT_EQ(bad.exitStatus(), 3);
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kError, "pictures", "10 pictures named in samples.csv not there: images/0010.png")));
+  EXPECT_THAT(bad.items,
+              Contains(says(CheckLevel::kError, "pictures", "1 picture cannot be read, expected PNG, JPEG or TIFF: images/0003.png")));
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kError, "pictures", "images/0004.png (640 x 480 px)")));
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kOk, "pictures", "8 of 1280 x 960 px")));
+}
+
+TEST_F(CheckCapture, AStillJointAndMillimetresAreNamed) {
+  create();
+  folder_.write("capture/target.yaml", "type: apriltag\nfamily: tag36h11\ntags:\n  - {id: 7, size: 80}\n");
+  std::string text = readTextFile(file("samples.csv"));
+  for (int row = 0; row < 10; ++row)
+    text += fmt::format("images/{}.png,{},-1,{},0.3,{},{},\n", row, 0.1 * row, 0.2 * row, -0.1 * row, 0.02 * row);
+  folder_.write("capture/samples.csv", text);
+  const CaptureCheck bad = check();
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kError, "target", "millimetres?")));
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kTooLittle, "joints", "q2 (shoulder_lift) never moved")));
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kTooLittle, "joints", "q4 (wrist_1_joint) never moved")));
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kAdvice, "joints", "q6 (wrist_3_joint) moved by 10.3 degrees alone")));
+}
+
+TEST_F(CheckCapture, CornersFoundEarlierTellWhatWasSeen) {
+  create();
+  fill(10);
+  std::string corners = "image,tag,corner,u,v\n";
+  for (int row = 0; row < 10; ++row) {
+    for (int corner = 0; corner < 4; ++corner) {
+      const double u = 600 + 20 * (corner == 1 || corner == 2), v = 500 - 20 * (corner > 1);
+      corners += fmt::format("images/{:04}.png,12,{},{},{}\n", row, corner, u, v);
+    }
+  }
+  folder_.write("capture/detections.csv", corners);
+  std::string manifest = readTextFile(file("capture.yaml"));
+  folder_.write("capture/capture.yaml", manifest + "detections: detections.csv\n");
+  const CaptureCheck seen = check();
+  EXPECT_EQ(seen.exitStatus(), 0);
+  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kOk, "corners", "40 corners in 10 pictures, found earlier")));
+  // One of the 24 parts of the picture, and 20 px.
+  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "seen in 4 % of the picture: go into its corners")));
+  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "20 px wide in the median picture: go nearer")));
+  EXPECT_THAT(seen.items, Each(Field(&CheckItem::topic, Not("pictures"))));
+}
+
+TEST_F(CheckCapture, NothingIsReplaced) {
+  create();
+  EXPECT_THAT([this] { create(); }, ThrowsMessage<InvalidArgument>(HasSubstr("is there already, expected a new folder")));
+}
+
+TEST_F(CheckCapture, WhatIsNamedWronglyLeavesNoFolder) {
+  const NewCapture wrong{.folder = folder_.path() / "capture",
+                         .robot = kCobot / "cobot6.urdf",
+                         .base_link = "",
+                         .tip_link = "",
+                         .target = kCobot / "target.yaml"};
+  EXPECT_THAT([&] { createCapture(wrong); }, ThrowsMessage<InvalidArgument>(HasSubstr("expected --tip-link")));
+  EXPECT_FALSE(fs::exists(folder_.path() / "capture"));
+}
+
+TEST_F(CheckCapture, EveryJointIsExplainedWithItsUnitAndRange) {
+  create();
+  EXPECT_THAT(readTextFile(file("samples.csv")), HasSubstr("#   q2           shoulder_lift [rad], -2.6 to 0\n"));
+  EXPECT_THAT(readTextFile(file("samples.csv")), HasSubstr("\nimage,q1,q2,q3,q4,q5,q6,stamp\n"));
+}
+
+}  // namespace
+}  // namespace poecal
