@@ -15,6 +15,7 @@ std::function<int()> setUpIntrinsics(CLI::App& app, const Common& common);
 std::function<int()> setUpMeasure(CLI::App& app, const Common& common);
 std::function<int()> setUpPaper(CLI::App& app, const Common& common);
 std::function<int()> setUpPredict(CLI::App& app, const Common& common);
+std::function<int()> setUpReport(CLI::App& app, const Common& common);
 std::function<int()> setUpRun(CLI::App& app, const Common& common);
 std::function<int()> setUpSimulate(CLI::App& app, const Common& common);
 

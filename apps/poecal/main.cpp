@@ -39,7 +39,7 @@ constexpr Command kCommands[] = {
     {"plan", "the next poses worth taking (not built yet)", setUpNotBuilt},
     {"diagnose", "find where the gap lies, which effect causes it, how much it shrinks", setUpDiagnose},
     {"fleet", "put the results of many captures into one table", setUpFleet},
-    {"report", "one self-contained page (not built yet)", setUpNotBuilt},
+    {"report", "the results of a capture as one page that opens in any browser", setUpReport},
 };
 
 int runProgram(int argc, char** argv) {
