@@ -10,13 +10,15 @@ packages=(
   # find_package in CMakeLists.txt, and xxhash.h
   libapriltag-dev libboost-dev libceres-dev libeigen3-dev libfmt-dev libopencv-dev libtbb-dev libtinyxml2-dev liburdfdom-dev libyaml-cpp-dev
   libxxhash-dev nlohmann-json3-dev
+  # D3, for report.html
+  node-d3
   # find_package in apps/ and tests/
   libcli11-dev libgmock-dev libgtest-dev liborocos-kdl-dev
 )
 for option in "$@"; do
   case $option in
     --workflow) packages+=(snakemake) ;;
-    --ci) packages+=(clang-format clang-tidy doxygen) ;;
+    --ci) packages+=(chromium clang-format clang-tidy doxygen) ;;
     *)
       echo "error: unknown option $option, expected --workflow or --ci" >&2
       exit 2

@@ -26,7 +26,7 @@ std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
 }
 
 constexpr Command kCommands[] = {
-    {"run", "the main job: lens if needed, corners, registration, identification, diagnosis", setUpRun},
+    {"run", "the main job: lens if needed, corners, registration, identification, diagnosis, report", setUpRun},
     {"simulate", "draw a capture whose truth is known", setUpSimulate},
     {"intrinsics", "find the lens from pictures of a board", setUpIntrinsics},
     {"detect", "find the target's corners in every picture", setUpDetect},

@@ -46,7 +46,8 @@ Json targetJson(const Target& target, const Eigen::Isometry3d& T_base_target) {
   }
   const double z = 0.5 * (low.z() + high.z());
   PointList corners;
-  for (const auto& [x, y] : {std::pair(low.x(), low.y()), std::pair(high.x(), low.y()), std::pair(high.x(), high.y()), std::pair(low.x(), high.y())}) {
+  for (const auto& [x, y] :
+       {std::pair(low.x(), low.y()), std::pair(high.x(), low.y()), std::pair(high.x(), high.y()), std::pair(low.x(), high.y())}) {
     corners.add(T_base_target * Eigen::Vector3d(x, y, z));
   }
   return corners.json();
@@ -71,7 +72,8 @@ Json postureJson(const ReportSource& source, std::size_t number) {
   const Eigen::Isometry3d T_base_camera = cell.registration.cameraBase(T_base_flange).inverse();
   const Eigen::Isometry3d T_base_target = T_base_camera * source.at[source.models.after].cameraTarget(observation);
   PointList camera;
-  for (const Eigen::Vector3d& p : {Eigen::Vector3d::Zero().eval(), Eigen::Vector3d::UnitX().eval(), Eigen::Vector3d::UnitY().eval(), Eigen::Vector3d::UnitZ().eval()}) {
+  for (const Eigen::Vector3d& p : {Eigen::Vector3d::Zero().eval(), Eigen::Vector3d::UnitX().eval(), Eigen::Vector3d::UnitY().eval(),
+                                   Eigen::Vector3d::UnitZ().eval()}) {
     camera.add(p.isZero() ? Eigen::Vector3d(T_base_camera.translation()) : Eigen::Vector3d(T_base_camera.linear() * p));
   }
   return {{"row", number},

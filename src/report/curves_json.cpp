@@ -92,7 +92,8 @@ Json curveJson(const ReportSource& source, const Finding& finding) {
     const MeasuredMotion motion(model.cell, sample, observation, measured.target);
     const Eigen::VectorXd r = all.residual(observation);
     const Disturbance& disturbance = disturbances[observation.sample];
-    const CurvePoint point = moves_joint ? atJoint(index, disturbance, motion.jointErrors(r)) : alongMotion(observation, motion.along(disturbance), r);
+    const CurvePoint point =
+        moves_joint ? atJoint(index, disturbance, motion.jointErrors(r)) : alongMotion(observation, motion.along(disturbance), r);
     const auto row = static_cast<Eigen::Index>(number);
     x(row) = valueOf(finding.driver, effects.front().effect, source.contexts[number]);
     before(row) = point.before;

@@ -10,7 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json scaledPair(const std::pair<double, double>& bounds, double unit) { return {rounded(unit * bounds.first), rounded(unit * bounds.second)}; }
+Json scaledPair(const std::pair<double, double>& bounds, double unit) {
+  return {rounded(unit * bounds.first), rounded(unit * bounds.second)};
+}
 
 Json stageJson(const std::string& name, double rms, const std::pair<double, double>& interval, double unit, const ErrorSummary& errors) {
   return {{"stage", name},
@@ -43,7 +45,8 @@ Json identifiedStages(const ReportSource& source, bool pixels) {
     const bool held_out = stage.held_out.poses > 0;
     const ErrorSummary& errors = held_out ? stage.held_out : stage.calibration;
     const double rms = pixels ? errors.px.rms : errors.position.rms;
-    const std::pair<double, double> interval = held_out ? rmsInterval(poseSquares(stage.held_out_rows, source.measurements)) : std::pair(rms, rms);
+    const std::pair<double, double> interval =
+        held_out ? rmsInterval(poseSquares(stage.held_out_rows, source.measurements)) : std::pair(rms, rms);
     stages.push_back(stageJson(stage.name, rms, interval, pixels ? 1.0 : 1e3, errors));
   }
   return stages;

@@ -56,7 +56,8 @@ std::string filled(std::string_view html, const std::map<std::string, std::strin
 std::string noted(const std::filesystem::path& capture, const std::filesystem::path& out) {
   if (capture.empty()) return "";
   std::error_code status;
-  const std::filesystem::path there = std::filesystem::weakly_canonical(capture, status), here = std::filesystem::weakly_canonical(out, status);
+  const std::filesystem::path there = std::filesystem::weakly_canonical(capture, status),
+                              here = std::filesystem::weakly_canonical(out, status);
   return status ? "" : there.lexically_proximate(here).generic_string();
 }
 
@@ -68,7 +69,8 @@ void writePage(const std::string& json, const std::string& pictures, const std::
   writeTextFile(out / "report.html", reportHtml(json, folderOf(pictures, out), jobs));
 }
 
-constexpr const char* kNotBuilt = "this build has no library to draw the page with (D3): apps/install-dependencies.sh installs it, then build again";
+constexpr const char* kNotBuilt =
+    "this build has no library to draw the page with (D3): apps/install-dependencies.sh installs it, then build again";
 
 }  // namespace
 

@@ -90,8 +90,17 @@ std::string reportJson(const CalibrationRun& run, const std::string& pictures) {
   const StageModels models = stageModels(calibration);
   std::vector<StageAt> at;
   for (const StageModel& stage : models.stages) at.emplace_back(stage, measured);
-  ReportSource source{.calibration = calibration, .identification = reportedIdentification(calibration), .measurements = measured, .models = models, .at = at,
-                      .before = {}, .after = {}, .before_size = {}, .after_size = {}, .shown = {}, .contexts = {}};
+  ReportSource source{.calibration = calibration,
+                      .identification = reportedIdentification(calibration),
+                      .measurements = measured,
+                      .models = models,
+                      .at = at,
+                      .before = {},
+                      .after = {},
+                      .before_size = {},
+                      .after_size = {},
+                      .shown = {},
+                      .contexts = {}};
   addSizes(measured, at[models.before], source.before, source.before_size);
   addSizes(measured, at[models.after], source.after, source.after_size);
   source.shown = thinned(source.after_size, mostShown(measured));

@@ -16,12 +16,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One way to make a picture small.
+constexpr int kLongestSide = 360;  // [px]
+
+/// One way to make a picture smaller than kLongestSide makes it.
 struct Smallness {
-  int side = 0;     ///< longest [px]
+  double scale = 1.0;
   int quality = 0;  ///< of JPEG
 };
-constexpr Smallness kSmaller[] = {{360, 70}, {320, 60}, {280, 50}, {240, 40}, {200, 30}, {160, 25}};
+constexpr Smallness kSmaller[] = {{1.0, 70}, {1.0, 50}, {1.0, 35}, {0.75, 35}, {0.5, 30}};
 
 std::string base64(const std::vector<unsigned char>& bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -36,13 +38,27 @@ std::string base64(const std::vector<unsigned char>& bytes) {
   return text;
 }
 
+/// The mean of whole blocks of pixels, as many as make no side longer than kLongestSide: other ratios take several times as long.
+cv::Mat shrunk(const cv::Mat& picture) {
+  const int block = (std::max(picture.cols, picture.rows) + kLongestSide - 1) / kLongestSide;
+  if (block <= 1) return picture;
+  cv::Mat small;
+  const cv::Rect whole_blocks(0, 0, std::max(1, picture.cols / block) * block, std::max(1, picture.rows / block) * block);
+  const cv::Mat part = picture(whole_blocks & cv::Rect(cv::Point(0, 0), picture.size()));
+  cv::resize(part, small, cv::Size(std::max(1, part.cols / block), std::max(1, part.rows / block)), 0.0, 0.0, cv::INTER_AREA);
+  return small;
+}
+
 /// The best of kSmaller that is not larger than `most` bytes; else the last.
 std::string dataUri(const cv::Mat& picture, std::size_t most) {
+  const cv::Mat largest = shrunk(picture);
   std::vector<unsigned char> bytes;
   for (const Smallness& smaller : kSmaller) {
-    const double scale = std::min(1.0, static_cast<double>(smaller.side) / std::max(picture.cols, picture.rows));
-    cv::Mat small;
-    cv::resize(picture, small, {}, scale, scale, cv::INTER_AREA);
+    cv::Mat small = largest;
+    if (smaller.scale < 1.0) {
+      const cv::Size size(std::max(1, cvRound(smaller.scale * largest.cols)), std::max(1, cvRound(smaller.scale * largest.rows)));
+      cv::resize(largest, small, size, 0.0, 0.0, cv::INTER_AREA);
+    }
     cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, smaller.quality});
     if (bytes.size() * 4 / 3 <= most) break;
   }
@@ -60,8 +76,8 @@ cv::Rect aroundCorners(const Json& corners, const cv::Size& size) {
   if (low[0] > high[0] || low[1] > high[1]) return {};
   const double half = std::max(16.0, std::max(high[0] - low[0], high[1] - low[1]));
   const double u = 0.5 * (low[0] + high[0]), v = 0.5 * (low[1] + high[1]);
-  const cv::Rect wanted(static_cast<int>(std::lround(u - half)), static_cast<int>(std::lround(v - half)), static_cast<int>(std::lround(2.0 * half)),
-                        static_cast<int>(std::lround(2.0 * half)));
+  const cv::Rect wanted(static_cast<int>(std::lround(u - half)), static_cast<int>(std::lround(v - half)),
+                        static_cast<int>(std::lround(2.0 * half)), static_cast<int>(std::lround(2.0 * half)));
   return wanted & cv::Rect(cv::Point(0, 0), size);
 }
 
@@ -70,7 +86,7 @@ Json pictureJson(const Json& sample, std::size_t row, const std::filesystem::pat
   if (name.empty()) return nullptr;
   const cv::Mat grey = readPicture(folder / name).grey;
   if (grey.empty()) return nullptr;
-  Json json{{"row", row}, {"width", grey.cols}, {"height", grey.rows}, {"whole", dataUri(grey, most * 6 / 10)}};
+  Json json{{"row", row}, {"whole", dataUri(grey, most * 6 / 10)}};
   const cv::Rect part = aroundCorners(sample.value("corners", Json::array()), grey.size());
   if (part.area() > 0) {
     json["part"] = {part.x, part.y, part.width, part.height};

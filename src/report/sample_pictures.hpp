@@ -9,8 +9,8 @@
 
 namespace poecal {
 
-/// JSON text: {"wanted", "shown", "missing", "pictures": [{"row", "width", "height", "whole", "part": [u, v, width, height], "near"}]}. `whole` and `near` are JPEGs as
-/// data URIs: the whole picture, and the part of it around the corners.
+/// JSON text: {"wanted", "pictures": [{"row", "whole", "part": [u, v, width, height], "near"}]}. `wanted` is how many were looked for,
+/// `row` one of the report's samples; `whole` and `near` are JPEGs as data URIs: the whole picture, and the part of it around the corners.
 /// @param report   of poecal-report/1. @param folder  of the pictures.
 /// @param most_bytes  of the text; where there are too many pictures for it, the worst samples and an even choice of the others are kept.
 std::string samplePictures(const nlohmann::ordered_json& report, const std::filesystem::path& folder, std::size_t most_bytes, int jobs);

@@ -22,12 +22,15 @@ Json readings(const ReportSource& source, std::size_t number, const Sample& samp
   if (sample.dir.size() > 0) json["dir"] = roundedList(sample.dir);
   if (sample.stamp) json["stamp"] = rounded(*sample.stamp, 10);
   if (sample.temperature) json["temperature"] = rounded(*sample.temperature);
-  if (!sample.other.empty()) json["other"] = roundedList(Eigen::Map<const Eigen::VectorXd>(sample.other.data(), static_cast<Eigen::Index>(sample.other.size())));
+  if (!sample.other.empty())
+    json["other"] = roundedList(Eigen::Map<const Eigen::VectorXd>(sample.other.data(), static_cast<Eigen::Index>(sample.other.size())));
   return json;
 }
 
 /// Of poses (mrad; mm), of positions mm, of corners px.
-Eigen::VectorXd shownUnits(const Observation& observation, const Eigen::VectorXd& r) { return observation.pose ? Eigen::VectorXd(1e3 * r) : r; }
+Eigen::VectorXd shownUnits(const Observation& observation, const Eigen::VectorXd& r) {
+  return observation.pose ? Eigen::VectorXd(1e3 * r) : r;
+}
 
 Json sampleJson(const ReportSource& source, std::size_t number) {
   const std::size_t k = source.shown[number];
@@ -37,7 +40,8 @@ Json sampleJson(const ReportSource& source, std::size_t number) {
   json.update(readings(source, number, sample));
   if (!observation.pose) {
     Eigen::VectorXd px(2 * static_cast<Eigen::Index>(observation.corners.size()));
-    for (std::size_t j = 0; j < observation.corners.size(); ++j) px.segment<2>(2 * static_cast<Eigen::Index>(j)) = observation.corners[j].px;
+    for (std::size_t j = 0; j < observation.corners.size(); ++j)
+      px.segment<2>(2 * static_cast<Eigen::Index>(j)) = observation.corners[j].px;
     json["corners"] = roundedList(px, kPixelDigits);
   }
   Json residuals = Json::array(), sizes = Json::array();

@@ -16,11 +16,11 @@ struct ReportSource {
   const Identification& identification;  ///< that the diagnosis started from
   const Measurements& measurements;      ///< samples with what the order of the rows stands in for
   const StageModels& models;
-  const std::vector<StageAt>& at;                   ///< of each stage
-  std::vector<Eigen::VectorXd> before, after;       ///< residuals of every observation
-  std::vector<double> before_size, after_size;      ///< root mean square length of its corners [px], or distance [m]
-  std::vector<std::size_t> shown;                   ///< observations that the page shows, ascending
-  std::vector<SampleContext> contexts;              ///< of those shown
+  const std::vector<StageAt>& at;               ///< of each stage
+  std::vector<Eigen::VectorXd> before, after;   ///< residuals of every observation
+  std::vector<double> before_size, after_size;  ///< root mean square length of its corners [px], or distance [m]
+  std::vector<std::size_t> shown;               ///< observations that the page shows, ascending
+  std::vector<SampleContext> contexts;          ///< of those shown
 };
 
 /// Root mean square length of corners [px]; of a pose the distance [m].

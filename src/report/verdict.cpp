@@ -26,6 +26,12 @@ std::string listed(const std::vector<std::string>& parts) {
   return fmt::format("{} and {}", fmt::join(parts.begin(), parts.end() - 1, ", "), parts.back());
 }
 
+/// "joint:6" as people say it.
+std::string spoken(std::string location) {
+  std::replace(location.begin(), location.end(), ':', ' ');
+  return location;
+}
+
 std::string capitalised(std::string text) {
   if (!text.empty() && text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 'a' + 'A');
   return text;
@@ -38,7 +44,7 @@ void addUnique(std::vector<std::string>& parts, const std::string& text) {
 std::string where(const Diagnosis& diagnosis) {
   std::vector<std::string> places;
   for (const Finding& finding : diagnosis.findings) {
-    addUnique(places, finding.driver == "none" ? finding.location : finding.location + ", driven by " + finding.driver);
+    addUnique(places, finding.driver == "none" ? spoken(finding.location) : spoken(finding.location) + ", driven by " + finding.driver);
   }
   const std::string text = fmt::format("{}", fmt::join(places, "; and at "));
   return "The gap lies at " + text + ".";
@@ -73,15 +79,17 @@ std::string howFar(const Diagnosis& diagnosis) {
 std::vector<std::string> actionsOf(const Diagnosis& diagnosis) {
   std::vector<std::string> actions;
   for (const Finding& finding : diagnosis.findings) {
-    if (!finding.remedy.empty()) addUnique(actions, fmt::format("{} ({}): {}.", finding.location, finding.effect, finding.remedy));
+    if (!finding.remedy.empty())
+      addUnique(actions, fmt::format("{} ({}): {}.", capitalised(spoken(finding.location)), finding.effect, finding.remedy));
     if (!finding.separate_with.empty()) addUnique(actions, fmt::format("To tell the causes apart: {}.", finding.separate_with));
   }
   for (const Finding& finding : diagnosis.possibilities) {
     actions.push_back(fmt::format("Take more poses: {} at {} is possible, but does not yet serve poses that the fit did not see.",
-                                  finding.effect, finding.location));
+                                  finding.effect, spoken(finding.location)));
   }
   if (diagnosis.remaining_significant) {
-    actions.push_back(fmt::format("Look at {} (driven by {}): structure is left there.", diagnosis.remaining_location, diagnosis.remaining_driver));
+    actions.push_back(fmt::format("Look at {} (driven by {}): structure is left there.", spoken(diagnosis.remaining_location),
+                                  diagnosis.remaining_driver));
   }
   return actions;
 }
@@ -97,13 +105,13 @@ Verdict withoutDiagnosis(const Calibration& calibration) {
   const bool held_out = last.held_out.poses > 0;
   Verdict verdict;
   verdict.headline = "Identified, not diagnosed";
-  verdict.sentences.push_back(fmt::format("The axes were identified from {} poses; where a gap lies was not searched for{}.", identification.poses,
-                                          calibration.no_diagnosis.empty() ? "" : ": " + calibration.no_diagnosis));
+  verdict.sentences.push_back(fmt::format("The axes were identified from {} poses; where a gap lies was not searched for{}.",
+                                          identification.poses, calibration.no_diagnosis.empty() ? "" : ": " + calibration.no_diagnosis));
   verdict.sentences.push_back("No cause can be named without a diagnosis.");
   verdict.sentences.push_back(fmt::format("The identified arm is off by {} on {}.", errorsOf(held_out ? last.held_out : last.calibration),
                                           held_out ? "held-out poses" : "the poses that it was fitted to"));
   verdict.actions.push_back(calibration.no_diagnosis.empty() ? "Run `poecal diagnose` on the same data."
-                                                              : "Take more poses, then run `poecal diagnose`.");
+                                                             : "Take more poses, then run `poecal diagnose`.");
   return verdict;
 }
 
@@ -119,12 +127,13 @@ Verdict verdictOf(const Calibration& calibration) {
     verdict.sentences = {"No place of the cell shows a gap that the identified geometry leaves.",
                          fmt::format("None of {} explanations was more likely than noise alone.", diagnosis.answers),
                          capitalised(fmt::format("what remains is {}.", remains(diagnosis)))};
-    if (verdict.actions.empty()) verdict.actions.push_back("Nothing at the cell: use model.yaml as it is, or write it into a URDF with `poecal export`.");
+    if (verdict.actions.empty())
+      verdict.actions.push_back("Nothing at the cell: use model.yaml as it is, or write it into a URDF with `poecal export`.");
     return verdict;
   }
   std::vector<std::string> names;
-  for (const Finding& finding : diagnosis.findings) names.push_back(finding.effect + " at " + finding.location);
-  verdict.headline = capitalised(listed(names));
+  for (const Finding& finding : diagnosis.findings) names.push_back(finding.effect + " at " + spoken(finding.location));
+  verdict.headline = "Found: " + listed(names);
   verdict.sentences = {where(diagnosis), which(diagnosis), howFar(diagnosis)};
   return verdict;
 }

@@ -24,8 +24,8 @@ struct PoseSquares {
   double squares = 0.0;  ///< sum of squared lengths, [px^2] or [m^2]
   double points = 0.0;   ///< number of lengths
 };
-/// 95 % interval of sqrt(sum of squares / sum of points): percentiles over resampled poses, always the same for the same poses. (0, 0) where
-/// there are no points.
+/// 95 % interval of sqrt(sum of squares / sum of points): percentiles over resampled poses, always the same for the same poses. (0, 0)
+/// where there are no points.
 std::pair<double, double> rmsInterval(const std::vector<PoseSquares>& poses);
 
 /// Errors of a set of poses.

@@ -16,9 +16,9 @@ void requireReport();
 /// Samples that a page shows at most. Of more the worst are kept and the others are thinned evenly; figures are of all.
 constexpr std::size_t kMostReportSamples = 1500;
 
-/// Text of report.json (format poecal-report/1): the verdict in words, identification.json, diagnosis.json, and what the pictures of the page
-/// need beside them: residuals of every sample by the nominal, registered, identified and diagnosed model, the arm in space, the uncertainty
-/// of the tool.
+/// Text of report.json (format poecal-report/1): the verdict in words, identification.json, diagnosis.json, and what the pictures of the
+/// page need beside them: residuals of every sample by the nominal, registered, identified and diagnosed model, the arm in space, the
+/// uncertainty of the tool.
 /// @param pictures  the folder with the samples' pictures as report.json names it: relative to its own folder; empty where there is none.
 /// @throws InvalidArgument where the arm was not identified.
 std::string reportJson(const CalibrationRun& run, const std::string& pictures);

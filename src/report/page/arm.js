@@ -2,7 +2,7 @@
 // The arm in space: drawn with lines in an orthographic view, so that it prints and needs no graphics card.
 
 const postures = report.arm.postures;
-const view = {turn: -0.7, tilt: 0.42, zoom: 1, stretch: 100, model: report.model_before};
+const view = {turn: -0.7, tilt: 0.35, zoom: 1, stretch: 30, model: report.model_before};
 
 const point = (list, k) => [list[3 * k], list[3 * k + 1], list[3 * k + 2]];
 const plus = (a, b, factor = 1) => [a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]];
@@ -23,7 +23,7 @@ const spaceBounds = (() => {
 
 /** Base to picture: x to the right, y downwards, z towards who looks. */
 function projector(width, height) {
-  const scale = 0.52 * Math.min(width, height) / spaceBounds.radius * view.zoom;
+  const scale = 0.86 * Math.min(width, height) / spaceBounds.radius * view.zoom;
   const [st, ct, sv, cv] = [Math.sin(view.turn), Math.cos(view.turn), Math.sin(view.tilt), Math.cos(view.tilt)];
   return (p) => {
     const d = minus(p, spaceBounds.centre);
@@ -35,7 +35,7 @@ function projector(width, height) {
 function showSpace() {
   const node = section('space', 'The arm, its camera and a sample', 'Arm and samples');
   node.append(good('the two arms can hardly be told apart until they are exaggerated, and the short lines at the target, where the compared model misses, have no common pattern.'));
-  const slider = el('input', {type: 'range', min: '0', max: '3', step: '0.02', value: '2', 'aria-label': 'Exaggerate the errors of the arm'});
+  const slider = el('input', {type: 'range', min: '0', max: '3', step: '0.02', value: '1.5', 'aria-label': 'Exaggerate the errors of the arm'});
   const scale = el('output');
   const choice = el('select', {'aria-label': 'Model whose misses are drawn'}, report.models.map((name, k) => k === report.model_after ? null : el('option', {value: String(k)}, name)));
   choice.value = String(view.model);
@@ -49,7 +49,7 @@ function showSpace() {
   const pair = el('div', {class: 'pair'});
   node.append(pair);
   const space = chart(pair, {
-    id: 'space', width: 560, height: 520, words: `The arm ${report.robot} at the picked sample: nominal and identified axes, camera and target, and where the compared model misses at ${postures.length} samples. Arrow keys turn it.`,
+    id: 'space', width: 560, height: 470, words: `The arm ${report.robot} at the picked sample: nominal and identified axes, camera and target, and where the compared model misses at ${postures.length} samples. Arrow keys turn it.`,
     caption: 'Drag, or use the arrow keys, to turn. Thin lines at the dots: where the compared model puts the target, less where the best model has it, exaggerated.' + (postures.length < report.counts.measured ? ` ${postures.length} of ${report.counts.measured} samples are drawn.` : ''),
     draw: drawSpace,
   });
@@ -87,7 +87,7 @@ function stretched(nominal, identified) {
 }
 
 function drawSpace(svg) {
-  const to = projector(560, 520);
+  const to = projector(560, 470);
   const posture = pickedPosture();
   const path = (list) => d3.line()(list.map((p) => to(p)));
   drawGround(svg, to);
@@ -117,7 +117,7 @@ function drawSpace(svg) {
 const targetCentre = (posture) => [0, 1, 2].map((k) => d3.mean(points(posture.target), (p) => p[k]));
 
 function drawGround(svg, to) {
-  const size = 0.7 * spaceBounds.radius, step = size / 4;
+  const size = 0.4 * spaceBounds.radius, step = size / 4;
   for (let k = -4; k <= 4; ++k) {
     for (const line of [[[k * step, -size, 0], [k * step, size, 0]], [[-size, k * step, 0], [size, k * step, 0]]]) {
       svg.append('path').attr('class', 'ground').attr('d', d3.line()(line.map((p) => to(p))));

@@ -8,6 +8,9 @@ const identification = report.identification;
 const samples = report.samples;
 const lengthUnit = report.pixels ? 'px' : 'mm';
 
+/** A number and its unit stay on one line. */
+const joined = (text) => text.replace(/(\d) (%|px|mm|mrad|N m|s)(?![a-z])/g, '$1\u00a0$2');
+
 /** An element with attributes and children; strings become text. */
 function el(tag, attributes, ...children) {
   const node = document.createElement(tag);

@@ -25,7 +25,7 @@ function parameterRows(finding) {
     const unit = finding.units[name] || '';
     const shown = personal(value, unit);
     const deviation = finding.standard_deviation[name];
-    return [name, figure(value * shown.factor, 4), deviation === undefined || deviation === null ? '–' : '± ' + figure(deviation * shown.factor, 2), shown.unit];
+    return [name, Number.isInteger(value) ? String(value) : figure(value * shown.factor, 4), deviation === undefined || deviation === null ? '–' : '± ' + figure(deviation * shown.factor, 2), shown.unit];
   });
 }
 
@@ -62,7 +62,7 @@ function legend(...entries) {
 
 function showFinding(node, finding, curve, k) {
   node.append(el('h3', {}, `${finding.effect} at ${place(finding.location)}`));
-  node.append(el('p', {}, curve.meaning.charAt(0).toUpperCase() + curve.meaning.slice(1) + '. ' + shrinkageWords(finding)));
+  node.append(el('p', {}, curve.meaning.charAt(0).toUpperCase() + curve.meaning.slice(1) + '. ' + joined(shrinkageWords(finding))));
   if (curve.formula) node.append(el('p', {class: 'formula'}, curve.formula));
   const pair = el('div', {class: 'pair'});
   node.append(pair);
@@ -82,7 +82,7 @@ function showFinding(node, finding, curve, k) {
   const right = el('div', {});
   pair.append(right);
   chart(right, {
-    id: 'rivals-' + k, width: 560, height: 40 + 30 * rivals.length, words: 'Probabilities: ' + rivals.map((r) => `${r.name} at ${place(r.location)} ${sureness(r.probability)}`).join('; ') + '.',
+    id: 'rivals-' + k, width: 560, height: 12 + 30 * rivals.length, words: 'Probabilities: ' + rivals.map((r) => `${r.name} at ${place(r.location)} ${sureness(r.probability)}`).join('; ') + '.',
     caption: finding.alternatives.length === 0 ? 'No rival comes near.' : 'Probability of the finding and of the rivals that the data cannot exclude.',
     draw: (svg) => drawRivals(svg, rivals),
   });

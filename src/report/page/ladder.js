@@ -11,7 +11,7 @@ function showVerdict() {
   const node = section('verdict', verdict.headline, 'Verdict');
   const title = node.querySelector('h2');
   title.replaceWith(el('h1', {id: 'verdict-title'}, verdict.headline));
-  node.append(el('div', {class: 'lead'}, verdict.sentences.map((sentence) => el('p', {}, sentence))));
+  node.append(el('div', {class: 'lead'}, verdict.sentences.map((sentence) => el('p', {}, joined(sentence)))));
   node.append(el('div', {class: 'todo'}, el('h2', {}, 'What to do'), el('ul', {}, verdict.actions.map((action) => el('li', {}, action)))));
   node.append(keyFigures());
   if (report.warnings.length > 0) {

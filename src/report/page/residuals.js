@@ -168,30 +168,32 @@ function showLens(node) {
   node.append(good('pale everywhere: the mean residual of each part of the picture is no longer than noise makes it. Dark parts that lie together are a lens that is not described well.'));
   const columns = 12, rows = Math.max(4, Math.round(columns * report.camera.height / report.camera.width));
   const cells = lensCells(columns, rows);
-  const counted = cells.filter((cell) => cell.count >= 3);
+  const counted = cells.filter((cell) => cell.count >= 2);
   const worst = counted.slice().sort((a, b) => b.sigmas - a.sigmas)[0];
   chart(node, {
-    id: 'lens', width: 960, height: 60 + Math.round(720 * report.camera.height / report.camera.width),
-    words: `Mean residual of the model after, by part of the picture. ${counted.length} of ${cells.length} parts have corners enough.` + (worst ? ` Largest: ${length(worst.length)}, ${figure(worst.sigmas, 2)} standard errors.` : ''),
-    caption: 'Mean residual of the corners in each part of the picture, model after. Colour: its length in standard errors; arrow: its direction; parts with fewer than 3 corners are empty.',
+    id: 'lens', width: 960, height: 4 + Math.round(720 * report.camera.height / report.camera.width),
+    words: `Mean residual of the model after, by part of the picture. ${counted.length} of ${cells.length} parts are in two pictures or more.` + (worst ? ` Largest: ${length(worst.length)}, ${figure(worst.sigmas, 2)} standard errors.` : ''),
+    caption: 'Mean residual of the corners in each part of the picture, model after. Colour: its length in standard errors; arrow: its direction; parts seen in fewer than two pictures are empty.',
     draw: (svg) => drawLens(svg, cells, columns, rows),
   });
 }
 
 function lensCells(columns, rows) {
-  const cells = d3.range(columns * rows).map((k) => ({column: k % columns, row: Math.floor(k / columns), u: [], v: []}));
-  const all = cornerResiduals(report.model_after);
-  for (const corner of all) {
+  const cells = d3.range(columns * rows).map((k) => ({column: k % columns, row: Math.floor(k / columns), samples: new Map()}));
+  for (const corner of cornerResiduals(report.model_after)) {
     const column = Math.floor(columns * (corner.u + 0.5) / report.camera.width), row = Math.floor(rows * (corner.v + 0.5) / report.camera.height);
     if (column < 0 || row < 0 || column >= columns || row >= rows) continue;
-    cells[row * columns + column].u.push(corner.du);
-    cells[row * columns + column].v.push(corner.dv);
+    const seen = cells[row * columns + column].samples;
+    if (!seen.has(corner.row)) seen.set(corner.row, []);
+    seen.get(corner.row).push(corner);
   }
-  const sigma = Math.sqrt((d3.mean(all, (c) => c.du * c.du + c.dv * c.dv) || 0) / 2) || 1e-12;
+  // Corners of one picture are off together, so that a picture counts once in a part.
+  for (const cell of cells) cell.means = Array.from(cell.samples.values(), (corners) => ({du: d3.mean(corners, (c) => c.du), dv: d3.mean(corners, (c) => c.dv)}));
+  const sigma = Math.sqrt((d3.mean(cells.flatMap((cell) => cell.means), (m) => m.du * m.du + m.dv * m.dv) || 0) / 2) || 1e-12;
   for (const cell of cells) {
-    cell.count = cell.u.length;
-    cell.du = d3.mean(cell.u) || 0;
-    cell.dv = d3.mean(cell.v) || 0;
+    cell.count = cell.means.length;
+    cell.du = d3.mean(cell.means, (m) => m.du) || 0;
+    cell.dv = d3.mean(cell.means, (m) => m.dv) || 0;
     cell.length = Math.hypot(cell.du, cell.dv);
     cell.sigmas = cell.length * Math.sqrt(cell.count) / sigma;
   }
@@ -202,9 +204,9 @@ function drawLens(svg, cells, columns, rows) {
   const width = 720, height = 720 * report.camera.height / report.camera.width, w = width / columns, h = height / rows;
   const shade = d3.scaleLinear().domain([1, 5]).range([0.04, 1]).clamp(true);
   svg.append('rect').attr('class', 'frame').attr('width', width).attr('height', height);
-  const longest = d3.max(cells.filter((c) => c.count >= 3), (c) => c.length) || 1;
+  const longest = d3.max(cells.filter((c) => c.count >= 2), (c) => c.length) || 1;
   for (const cell of cells) {
-    if (cell.count < 3) continue;
+    if (cell.count < 2) continue;
     const [x, y] = [cell.column * w, cell.row * h];
     svg.append('rect').attr('class', 'bar').attr('x', x + 1).attr('y', y + 1).attr('width', w - 2).attr('height', h - 2).style('opacity', shade(cell.sigmas));
     const scale = 0.42 * Math.min(w, h) / longest, cx = x + w / 2, cy = y + h / 2;

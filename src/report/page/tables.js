@@ -24,7 +24,7 @@ function showParameters() {
   node.append(el('h3', {}, 'What the data could not see'));
   if (unseen.length === 0 && gauge.length === 0) node.append(el('p', {}, 'Nothing: these poses determine every parameter.'));
   if (unseen.length > 0) node.append(el('details', unseen.length <= 8 ? {open: ''} : {}, el('summary', {}, `${unseen.length} directions that the tolerances decide`), el('ul', {}, unseen.map((text) => el('li', {}, text)))));
-  if (gauge.length > 0) node.append(el('p', {class: 'note'}, 'No data of this kind tell: ' + gauge.join('; ') + '.'));
+  if (gauge.length > 0) node.append(el('details', {}, el('summary', {}, 'What no data of this kind tell, and how it was fixed'), el('ul', {}, gauge.map((text) => el('li', {}, text)))));
 }
 
 function drawParameters(svg, list) {
