@@ -82,8 +82,7 @@ TEST_P(CommandOfLater, SaysThatItIsNotBuiltYetWhateverItsOptions) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, CommandOfLater, ::testing::Values("plan"),
-                         [](const auto& instance) { return std::string(instance.param); });
+INSTANTIATE_TEST_SUITE_P(All, CommandOfLater, ::testing::Values("plan"), [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
 }  // namespace poecal

@@ -14,22 +14,40 @@ function pickedPosture() {
   return postures.reduce((best, posture) => Math.abs(posture.row - picked.row) < Math.abs(best.row - picked.row) ? posture : best);
 }
 
-/** Centre and half the extent of all that is drawn, once. */
-const spaceBounds = (() => {
-  const all = postures.flatMap((p) => [...points(p.identified.points), point(p.camera, 0), ...points(p.target)]).concat([[0, 0, 0]]);
-  const low = [0, 1, 2].map((k) => d3.min(all, (p) => p[k])), high = [0, 1, 2].map((k) => d3.max(all, (p) => p[k]));
-  return {centre: low.map((v, k) => (v + high[k]) / 2), radius: Math.hypot(...low.map((v, k) => (high[k] - v) / 2)) || 1, floor: low[2]};
+/** All that is drawn at some sample, and half its extent. */
+const space3 = (() => {
+  const all = postures.flatMap((p) => [...points(p.identified.points), ...cameraEnds(p, 0.1), ...points(p.target)]).concat([[0, 0, 0]]);
+  const half = [0, 1, 2].map((k) => (d3.max(all, (p) => p[k]) - d3.min(all, (p) => p[k])) / 2);
+  return {all, radius: Math.hypot(...half) || 1};
 })();
 
-/** Base to picture: x to the right, y downwards, z towards who looks. */
+/** Base to picture: x to the right, y downwards; all that is drawn at some sample has room. */
 function projector(width, height) {
-  const scale = 0.86 * Math.min(width, height) / spaceBounds.radius * view.zoom;
   const [st, ct, sv, cv] = [Math.sin(view.turn), Math.cos(view.turn), Math.sin(view.tilt), Math.cos(view.tilt)];
+  const flat = (p) => [ct * p[0] - st * p[1], -(cv * p[2] + sv * (st * p[0] + ct * p[1]))];
+  const seen = space3.all.map(flat);
+  const [left, right] = d3.extent(seen, (p) => p[0]), [top, bottom] = d3.extent(seen, (p) => p[1]);
+  const scale = view.zoom * Math.min((width - 70) / (right - left || 1), (height - 50) / (bottom - top || 1));
   return (p) => {
-    const d = minus(p, spaceBounds.centre);
-    const across = ct * d[0] - st * d[1], away = st * d[0] + ct * d[1];
-    return [width / 2 + scale * across, height / 2 - scale * (cv * d[2] + sv * away), sv * d[2] - cv * away];
+    const [x, y] = flat(p);
+    return [width / 2 + scale * (x - (left + right) / 2), height / 2 + scale * (y - (top + bottom) / 2)];
   };
+}
+
+/** The camera's place and the four ends of its pyramid, whose opening is that of the picture. */
+function cameraEnds(posture, depth) {
+  const [origin, x, y, z] = points(posture.camera);
+  const wide = report.camera ? report.camera.width / (2 * report.camera.focal_length) : 0.3;
+  const tall = report.camera ? wide * report.camera.height / report.camera.width : 0.3;
+  const corner = (a, b) => plus(plus(plus(origin, z, depth), x, a * wide * depth), y, b * tall * depth);
+  return [origin, corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+}
+
+/** Misses are stretched more than the arm, by a power of ten that lets them be seen. */
+function missStretch() {
+  const usual = d3.median(postures, (p) => Math.hypot(...point(p.miss, view.model))) / 1000;
+  const wanted = usual > 0 ? 0.04 * space3.radius / (30 * usual) : 1;
+  return view.stretch * Math.pow(10, Math.max(0, Math.min(5, Math.round(Math.log10(wanted)))));
 }
 
 function showSpace() {
@@ -54,9 +72,12 @@ function showSpace() {
     draw: drawSpace,
   });
   makeTurnable(space);
-  const tell = () => { view.stretch = Math.round(Math.pow(10, Number(slider.value))); scale.textContent = '× ' + view.stretch; };
+  const tell = () => {
+    view.stretch = Math.round(Math.pow(10, Number(slider.value)));
+    scale.textContent = `× ${view.stretch}, misses × ${figure(missStretch(), 2)}`;
+  };
   slider.addEventListener('input', () => { tell(); space.redraw(); });
-  choice.addEventListener('change', () => { view.model = Number(choice.value); space.redraw(); });
+  choice.addEventListener('change', () => { view.model = Number(choice.value); tell(); space.redraw(); });
   tell();
   picked.listeners.push(() => space.redraw());
   showSample(pair);
@@ -91,10 +112,10 @@ function drawSpace(svg) {
   const posture = pickedPosture();
   const path = (list) => d3.line()(list.map((p) => to(p)));
   drawGround(svg, to);
-  const misses = svg.append('g');
+  const misses = svg.append('g'), stretch = missStretch();
   for (const other of postures) {
     const centre = targetCentre(other), miss = point(other.miss, view.model).map((v) => v / 1000);
-    misses.append('path').attr('class', 'miss').attr('d', path([centre, plus(centre, miss, view.stretch)]));
+    misses.append('path').attr('class', 'miss').attr('d', path([centre, plus(centre, miss, stretch)]));
     const [x, y] = to(centre);
     misses.append('circle').attr('class', 'dot-before').attr('r', other === posture ? 5 : 2).attr('cx', x).attr('cy', y).attr('data-row', other.row);
   }
@@ -102,7 +123,8 @@ function drawSpace(svg) {
   const base = [0, 0, 0];
   svg.append('path').attr('class', 'arm-nominal').attr('d', path([base, ...nominal]));
   svg.append('path').attr('class', 'arm-identified').attr('d', path([base, ...identified]));
-  const half = 0.09 * spaceBounds.radius;
+  identified.forEach((p) => svg.append('circle').attr('class', 'dot-after').attr('r', 3.4).attr('cx', to(p)[0]).attr('cy', to(p)[1]));
+  const half = 0.09 * space3.radius;
   points(posture.nominal.axes).forEach((axis, k) => svg.append('path').attr('class', 'axis-nominal').attr('d', path([plus(nominal[k], axis, -half), plus(nominal[k], axis, half)])));
   const axes = stretched(posture.nominal.axes, posture.identified.axes).map((axis) => axis.map((v) => v / Math.hypot(...axis)));
   axes.forEach((axis, k) => {
@@ -117,7 +139,7 @@ function drawSpace(svg) {
 const targetCentre = (posture) => [0, 1, 2].map((k) => d3.mean(points(posture.target), (p) => p[k]));
 
 function drawGround(svg, to) {
-  const size = 0.4 * spaceBounds.radius, step = size / 4;
+  const size = 0.4 * space3.radius, step = size / 4;
   for (let k = -4; k <= 4; ++k) {
     for (const line of [[[k * step, -size, 0], [k * step, size, 0]], [[-size, k * step, 0], [size, k * step, 0]]]) {
       svg.append('path').attr('class', 'ground').attr('d', d3.line()(line.map((p) => to(p))));
@@ -125,16 +147,10 @@ function drawGround(svg, to) {
   }
 }
 
-/** A pyramid whose opening is that of the picture. */
 function drawCamera(svg, posture, to, path) {
-  const [origin, x, y, z] = points(posture.camera);
-  const depth = 0.2 * spaceBounds.radius;
-  const aspect = report.camera ? report.camera.width / (2 * report.camera.focal_length) : 0.3;
-  const tall = report.camera ? aspect * report.camera.height / report.camera.width : 0.3;
-  const corner = (a, b) => plus(plus(plus(origin, z, depth), x, a * aspect * depth), y, b * tall * depth);
-  const ends = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+  const [origin, ...ends] = cameraEnds(posture, 0.2 * space3.radius);
   svg.append('path').attr('class', 'camera').attr('d', path(ends) + 'Z');
   for (const end of ends) svg.append('path').attr('class', 'camera').attr('d', path([origin, end]));
   const [u, v] = to(origin);
-  svg.append('text').attr('class', 'small muted').attr('x', u + 8).attr('y', v - 6).text(report.pixels ? 'camera' : 'instrument');
+  svg.append('text').attr('class', 'small muted').attr('x', u).attr('y', v - 10).attr('text-anchor', 'middle').text(report.pixels ? 'camera' : 'instrument');
 }

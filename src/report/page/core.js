@@ -155,7 +155,7 @@ const sizeAfter = (sample) => sample.sizes[report.model_after];
 const modelName = (k) => report.models[k];
 
 /** Which sample is picked; charts that show it are told. */
-const picked = {row: 0, listeners: []};
+const picked = {row: samples.reduce((worst, sample, row) => sizeAfter(sample) > sizeAfter(samples[worst]) ? row : worst, 0), listeners: []};
 function pick(row) {
   picked.row = Math.max(0, Math.min(samples.length - 1, row));
   for (const listener of picked.listeners) listener();

@@ -78,12 +78,12 @@ const niceLength = (value) => d3.max(d3.ticks(0, value * 1.5, 2)) || value;
 function drivers() {
   const list = [];
   const degrees = 180 / Math.PI;
-  report.arm.joints.forEach((joint, k) => list.push({title: driverTitle('q' + (k + 1)), of: (s) => s.q[k] * (joint.type === 'prismatic' ? 1e3 : degrees)}));
-  report.arm.joints.forEach((_, k) => list.push({title: driverTitle('tau' + (k + 1)), of: (s) => s.torque ? s.torque[k] : null}));
-  report.arm.joints.forEach((_, k) => list.push({title: driverTitle('dir' + (k + 1)), sided: true, of: (s) => s.dir ? s.dir[k] : null}));
-  list.push({title: driverTitle('stamp'), of: (s) => s.stamp === undefined ? null : s.stamp});
-  list.push({title: driverTitle('temperature'), of: (s) => s.temperature === undefined ? null : s.temperature});
-  report.other_columns.forEach((name, k) => list.push({title: name, of: (s) => s.other ? s.other[k] : null}));
+  report.arm.joints.forEach((joint, k) => list.push({name: 'q' + (k + 1), title: driverTitle('q' + (k + 1)), of: (s) => s.q[k] * (joint.type === 'prismatic' ? 1e3 : degrees)}));
+  report.arm.joints.forEach((_, k) => list.push({name: 'tau' + (k + 1), title: driverTitle('tau' + (k + 1)), of: (s) => s.torque ? s.torque[k] : null}));
+  report.arm.joints.forEach((_, k) => list.push({name: 'dir' + (k + 1), title: driverTitle('dir' + (k + 1)), sided: true, of: (s) => s.dir ? s.dir[k] : null}));
+  list.push({name: 'stamp', title: driverTitle('stamp'), of: (s) => s.stamp === undefined ? null : s.stamp});
+  list.push({name: 'temperature', title: driverTitle('temperature'), of: (s) => s.temperature === undefined ? null : s.temperature});
+  report.other_columns.forEach((name, k) => list.push({name, title: name, of: (s) => s.other ? s.other[k] : null}));
   return list.filter((driver) => {
     const values = samples.map(driver.of).filter((v) => v !== null && isFinite(v));
     return values.length > 1 && d3.max(values) - d3.min(values) > 1e-9 * Math.max(1, Math.abs(d3.max(values)));
@@ -93,7 +93,7 @@ function drivers() {
 /** What may be drawn against the drivers, as {title, unit, of(sample, 'before' | 'after')}. */
 function quantities() {
   const list = report.arm.joints.map((joint, k) => ({
-    title: `error of joint ${k + 1} that explains the sample best`, unit: joint.type === 'prismatic' ? 'mm' : 'mrad', of: (s, kind) => s.joint_errors[kind][k],
+    joint: k + 1, title: `error of joint ${k + 1} that explains the sample best`, unit: joint.type === 'prismatic' ? 'mm' : 'mrad', of: (s, kind) => s.joint_errors[kind][k],
   }));
   list.push({title: 'size of the residual', unit: lengthUnit, of: (s, kind) => kind === 'before' ? sizeBefore(s) : sizeAfter(s)});
   if (report.pixels) {
@@ -125,7 +125,7 @@ function showDrivers(node) {
   choice.addEventListener('change', () => entries.forEach((entry) => entry.redraw()));
   const torques = samples.some((s) => s.torque);
   node.append(el('p', {class: 'note'}, (torques ? '' : 'The robot file states no masses, so that gravity torques are not known. ') +
-      'Dark bars: means of the filled points in eight parts, with twice their standard error. Points outside are drawn at the edge.' + thinnedWords()));
+      'Dark bars: means of the filled points in eight parts, with twice their standard error. Dark dots: what a finding says. Points outside are drawn at the edge.' + thinnedWords()));
 }
 
 function drawDriver(svg, driver, quantityShown) {
@@ -141,6 +141,7 @@ function drawDriver(svg, driver, quantityShown) {
     svg.append('g').selectAll('circle').data(shown.filter((p) => p[kind] !== null && p[kind] !== undefined)).join('circle').attr('class', 'dot-' + kind).attr('r', 2)
         .attr('cx', (p) => x(p.x + spread(p))).attr('cy', (p) => within(y, p[kind])).attr('data-row', (p) => p.row);
   }
+  drawFound(svg, points, x, y, driver, quantityShown, spread);
   drawMeans(svg, points, x, y, driver.sided);
   if (driver.sided) {
     svg.append('g').attr('transform', 'translate(0,146)').call(d3.axisBottom(x).tickValues([-1, 1]).tickFormat((v) => v < 0 ? '−1' : '+1').tickSize(3));
@@ -149,6 +150,15 @@ function drawDriver(svg, driver, quantityShown) {
   }
   axisLeft(svg, y, 36, 4);
   svg.append('text').attr('class', 'muted small').attr('x', 141).attr('y', 181).attr('text-anchor', 'middle').text(driver.title);
+}
+
+/** The curves of findings at this joint that this driver moves. */
+function drawFound(svg, points, x, y, driver, quantityShown, spread) {
+  for (const curve of report.curves) {
+    if (!quantityShown.joint || curve.location !== 'joint:' + quantityShown.joint || curve.driver !== driver.name || !curve.points) continue;
+    svg.append('g').selectAll('circle').data(thin(points, 400)).join('circle').attr('class', 'curve-dot').attr('r', 1)
+        .attr('cx', (p) => x(p.x + spread(p))).attr('cy', (p) => within(y, curve.points.curve[p.row]));
+  }
 }
 
 /** Means of the points after in parts of equal count, with twice their standard error. */
