@@ -27,8 +27,10 @@ const Identification& reportedIdentification(const Calibration& calibration) {
 StageModels stageModels(const Calibration& calibration) {
   const Identification& identification = reportedIdentification(calibration);
   StageModels models;
+  // Poses of an instrument are registered in closed form.
   Cell registered = identification.start;
   registered.arm = identification.nominal;
+  registered.registration = identification.closed_form;
   if (calibration.registration) registered = calibration.registration->cell;
   Cell nominal = registered;
   nominal.registration = identification.closed_form;

@@ -105,13 +105,21 @@ Verdict withoutDiagnosis(const Calibration& calibration) {
   const bool held_out = last.held_out.poses > 0;
   Verdict verdict;
   verdict.headline = "Identified, not diagnosed";
-  verdict.sentences.push_back(fmt::format("The axes were identified from {} poses; where a gap lies was not searched for{}.",
-                                          identification.poses, calibration.no_diagnosis.empty() ? "" : ": " + calibration.no_diagnosis));
+  verdict.sentences.push_back(fmt::format(
+      "The axes were identified from {} poses, but where a gap lies is not known: {}.", identification.poses,
+      calibration.no_diagnosis.empty() ? "no diagnosis was asked for" : "there is no diagnosis, as " + calibration.no_diagnosis));
   verdict.sentences.push_back("No cause can be named without a diagnosis.");
   verdict.sentences.push_back(fmt::format("The identified arm is off by {} on {}.", errorsOf(held_out ? last.held_out : last.calibration),
                                           held_out ? "held-out poses" : "the poses that it was fitted to"));
-  verdict.actions.push_back(calibration.no_diagnosis.empty() ? "Run `poecal diagnose` on the same data."
-                                                             : "Take more poses, then run `poecal diagnose`.");
+  if (calibration.no_diagnosis.empty()) {
+    verdict.actions.push_back("Run poecal diagnose on the same data.");
+  } else if (identification.method != Method::kBundle) {
+    verdict.actions.push_back("Identify by method bundle, which a diagnosis starts from.");
+  } else if (!held_out) {
+    verdict.actions.push_back("Hold poses out, so that a diagnosis has something to judge by.");
+  } else {
+    verdict.actions.push_back("Take more poses, then run poecal diagnose.");
+  }
   return verdict;
 }
 
@@ -128,7 +136,7 @@ Verdict verdictOf(const Calibration& calibration) {
                          fmt::format("None of {} explanations was more likely than noise alone.", diagnosis.answers),
                          capitalised(fmt::format("what remains is {}.", remains(diagnosis)))};
     if (verdict.actions.empty())
-      verdict.actions.push_back("Nothing at the cell: use model.yaml as it is, or write it into a URDF with `poecal export`.");
+      verdict.actions.push_back("Nothing at the cell: use model.yaml as it is, or write it into a URDF with poecal export.");
     return verdict;
   }
   std::vector<std::string> names;

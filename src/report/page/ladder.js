@@ -76,7 +76,7 @@ function drawLadder(svg, rows) {
     const [low, high] = [x(Math.max(noise.interval[0], x.domain()[0])), x(noise.interval[1] || noise.rms)];
     svg.append('rect').attr('class', 'band').attr('x', Math.min(low, high - 3)).attr('width', Math.max(3, high - low)).attr('y', top).attr('height', bottom - top);
   }
-  const titles = [[right + 90, lengthUnit], [right + 170, 'mm'], [right + 250, 'mrad']];
+  const titles = [[right + 90, 'rms ' + lengthUnit], [right + 170, 'mean mm'], [right + 250, 'mean mrad']];
   for (const [at, text] of titles) svg.append('text').attr('class', 'muted small').attr('x', at).attr('y', top - 2).attr('text-anchor', 'end').text(text);
   rows.forEach((row, k) => {
     const y = top + step * (k + 0.5);

@@ -35,7 +35,7 @@ function showSample(pair) {
   }
   const tell = () => {
     slider.value = String(picked.row);
-    words.textContent = sampleWords(picked.row) + (report.pixels && !pictureOf.has(picked.row) ? '. Its picture is not in this page.' : '.');
+    words.textContent = sampleWords(picked.row) + (report.pixels && pictureOf.size > 0 && !pictureOf.has(picked.row) ? '. Its picture is not in this page.' : '.');
   };
   slider.addEventListener('input', () => pick(Number(slider.value)));
   picked.listeners.push(() => { tell(); entries.forEach((entry) => entry.redraw()); });
