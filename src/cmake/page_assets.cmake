@@ -32,14 +32,14 @@ const PageAssets& pageAssets() {
 endif()
 
 set(page "${PROJECT_SOURCE_DIR}/src/report/page")
-# In the order in which they run.
+# In the order in which they run; the first belongs to both pages.
 set(page_program "")
-foreach(name core ladder findings residuals arm sample workspace tables main)
+foreach(name frame core ladder findings residuals arm sample workspace tables main)
   list(APPEND page_program "${page}/${name}.js")
 endforeach()
 find_file(POECAL_D3 d3.min.js PATHS /usr/share/nodejs/d3/dist NO_DEFAULT_PATH DOC "D3 5, minified, as Debian's node-d3 has it")
 set(d3_begin "")
-if(POECAL_D3)
+if(EXISTS "${POECAL_D3}")
   file(READ "${POECAL_D3}" d3_begin LIMIT 100)
 endif()
 if(d3_begin MATCHES "d3js.org v5[.]")

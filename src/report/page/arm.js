@@ -72,6 +72,7 @@ function showSpace() {
     draw: drawSpace,
   });
   makeTurnable(space);
+  space.svg.parentElement.classList.add('stays');
   const tell = () => {
     view.stretch = Math.round(Math.pow(10, Number(slider.value)));
     scale.textContent = `× ${view.stretch}, misses × ${figure(missStretch(), 2)}`;

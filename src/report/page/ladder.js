@@ -30,7 +30,7 @@ function keyFigures() {
     const gap = diagnosis.gap, suffix = report.pixels ? '_px' : '_mm';
     const interval = gap['after_excess_ci95' + suffix];
     entries.push(['Gap that remains', fixed(gap['after_excess' + suffix]) + ' ' + lengthUnit, `${fixed(interval[0])} to ${fixed(interval[1])}`]);
-    entries.push(['Gap closed by the findings', gap.shrinkage_claimed ? percent(gap.shrinkage) : '–',
+    entries.push(['Gap closed', gap.shrinkage_claimed ? percent(gap.shrinkage) : '–',
       gap.shrinkage_claimed ? `${percent(gap.shrinkage_ci95[0])} to ${percent(gap.shrinkage_ci95[1])}` : 'nothing claimed']);
     if (report.ladder.noise.known) entries.push(['Noise', fixed(report.ladder.noise.rms) + ' ' + lengthUnit, report.ladder.noise.source]);
   }
