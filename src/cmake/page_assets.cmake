@@ -15,6 +15,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
   literal(html "${PAGE}/page.html")
   literal(style "${PAGE}/style.css")
   literal(program ${PROGRAM})
+  literal(fleet "${PAGE}/frame.js" "${PAGE}/fleet.js")
   literal(licence "${PAGE}/d3-licence.txt")
   literal(d3 ${D3})
   file(WRITE "${OUTPUT}" "#include \"report/page_assets.hpp\"
@@ -22,7 +23,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
 namespace poecal {
 
 const PageAssets& pageAssets() {
-  static constexpr PageAssets kAssets{${html}, ${style}, ${program}, ${d3}, ${licence}};
+  static constexpr PageAssets kAssets{${html}, ${style}, ${program}, ${fleet}, ${d3}, ${licence}};
   return kAssets;
 }
 
@@ -51,7 +52,7 @@ endif()
 set(page_assets "${CMAKE_CURRENT_BINARY_DIR}/page_assets.cpp")
 add_custom_command(OUTPUT "${page_assets}"
   COMMAND "${CMAKE_COMMAND}" -D "PAGE=${page}" -D "PROGRAM=${page_program}" -D "D3=${d3}" -D "OUTPUT=${page_assets}" -P "${CMAKE_CURRENT_LIST_FILE}"
-  DEPENDS ${page_program} ${d3} "${page}/page.html" "${page}/style.css" "${page}/d3-licence.txt" "${CMAKE_CURRENT_LIST_FILE}"
+  DEPENDS ${page_program} "${page}/fleet.js" ${d3} "${page}/page.html" "${page}/style.css" "${page}/d3-licence.txt" "${CMAKE_CURRENT_LIST_FILE}"
   COMMENT "Taking in the page of the report"
   VERBATIM)
 target_sources(poecal PRIVATE "${page_assets}")

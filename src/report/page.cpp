@@ -1,12 +1,11 @@
-// The page: template, style, program, library and data put together.
-#include <map>
-
+// The page of a calibration, and its files.
 #include <nlohmann/json.hpp>
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/report/report.hpp"
 #include "report/page_assets.hpp"
+#include "report/page_text.hpp"
 #include "report/sample_pictures.hpp"
 
 namespace poecal {
@@ -15,42 +14,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostBytes = 4'800'000;  // of the page
-
-/// JSON that stands in a script element: nothing in it can end that, or be taken for the end of a line.
-std::string inScript(const std::string& json) {
-  std::string text;
-  text.reserve(json.size() + json.size() / 16);
-  for (std::size_t k = 0; k < json.size(); ++k) {
-    const char c = json[k];
-    const bool line_end = json.compare(k, 3, "\xE2\x80\xA8") == 0 || json.compare(k, 3, "\xE2\x80\xA9") == 0;
-    if (c == '<') {
-      text += "\\u003c";
-    } else if (c == '>') {
-      text += "\\u003e";
-    } else if (c == '&') {
-      text += "\\u0026";
-    } else if (line_end) {
-      text += json[k + 2] == '\xA8' ? "\\u2028" : "\\u2029";
-      k += 2;
-    } else {
-      text += c;
-    }
-  }
-  return text;
-}
-
-/// `html` with each {{name}} replaced, once, so that nothing in a part is taken for a place of another.
-std::string filled(std::string_view html, const std::map<std::string, std::string_view, std::less<>>& parts) {
-  std::string text;
-  for (std::size_t at = 0; at < html.size();) {
-    const std::size_t open = html.find("{{", at), close = open == std::string_view::npos ? open : html.find("}}", open);
-    if (close == std::string_view::npos) return text.append(html.substr(at));
-    text.append(html.substr(at, open - at));
-    text.append(parts.at(std::string(html.substr(open + 2, close - open - 2))));
-    at = close + 2;
-  }
-  return text;
-}
 
 /// The folder of the pictures as it is noted down: relative to OUT where that leads there.
 std::string noted(const std::filesystem::path& capture, const std::filesystem::path& out) {
@@ -87,12 +50,7 @@ std::string reportHtml(const std::string& json, const std::filesystem::path& pic
   const std::size_t fixed = assets.html.size() + assets.style.size() + assets.program.size() + assets.d3.size() + data.size();
   const std::size_t left = kMostBytes > fixed ? kMostBytes - fixed : 0;
   const std::string shown = inScript(samplePictures(Json::parse(json), pictures, left, jobs));
-  return filled(assets.html, {{"style", assets.style},
-                              {"program", assets.program},
-                              {"d3", assets.d3},
-                              {"licence", assets.licence},
-                              {"data", data},
-                              {"pictures", shown}});
+  return pageText(assets.program, data, shown);
 }
 
 void writeReportData(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out) {

@@ -8,7 +8,8 @@ namespace poecal {
 struct PageAssets {
   std::string_view html;     ///< with {{name}} where the other parts go
   std::string_view style;    ///< CSS
-  std::string_view program;  ///< JavaScript, all files one after the other
+  std::string_view program;  ///< JavaScript of a report, all files one after the other
+  std::string_view fleet;    ///< JavaScript of the page of a fleet
   std::string_view d3;       ///< D3 5, minified; empty where it was not there
   std::string_view licence;  ///< of D3
 };

@@ -75,6 +75,22 @@ Json countsJson(const ReportSource& source) {
           {"held_out", source.identification.held_out_poses}};
 }
 
+/// Root mean square of what each model leaves of all samples, px or mm.
+Json modelsRmsJson(const ReportSource& source) {
+  Json list = Json::array();
+  for (const StageAt& stage : source.at) {
+    double squares = 0.0, points = 0.0;
+    for (const Observation& observation : source.measurements.observations) {
+      const double count = observation.pose ? 1.0 : static_cast<double>(observation.corners.size());
+      squares += count * std::pow(residualSize(observation, stage.residual(observation)), 2);
+      points += count;
+    }
+    const double unit = source.measurements.observations.front().pose ? 1e3 : 1.0;
+    list.push_back(rounded(points > 0.0 ? unit * std::sqrt(squares / points) : 0.0));
+  }
+  return list;
+}
+
 Json cameraJson(const ReportSource& source) {
   const std::optional<Camera>& camera = source.models.stages[source.models.after].cell.camera;
   if (!camera) return nullptr;
@@ -118,6 +134,7 @@ std::string reportJson(const CalibrationRun& run, const std::string& pictures) {
             {"counts", countsJson(source)},
             {"ladder", ladderJson(source)},
             {"models", stages},
+            {"models_rms", modelsRmsJson(source)},
             {"model_before", models.before},
             {"model_after", models.after},
             {"camera", cameraJson(source)},

@@ -65,6 +65,18 @@ TEST_F(ReportCommand, OfAFolderWithoutResultsSaysWhichCommandMakesThem) {
   EXPECT_EQ(result.err, "poecal: error: capture/report.json: there is none, expected the results of poecal run, identify or diagnose\n");
 }
 
+TEST_F(ReportCommand, APageOfAFleetLeadsToTheReports) {
+  ASSERT_EQ(run("run capture --out results/cell-1").status, 0);
+  ASSERT_EQ(run("identify capture --out 'results/cell #2'").status, 0);
+  const test::ProgramRun result = run("fleet results/* --out results/fleet.csv --page results/fleet.html");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("2 captures in results/fleet.csv, to look at: results/fleet.html\n"));
+  const std::string page = readTextFile(path("results/fleet.html"));
+  EXPECT_THAT(page, HasSubstr("\"report\":\"cell-1/report.html\""));
+  EXPECT_THAT(page, HasSubstr("\"name\":\"cell #2\",\"report\":null"));
+  EXPECT_EQ(run("fleet results/cell-1 --out fleet.csv --page results/cell-1/report.html").status, 2);
+}
+
 TEST_F(ReportCommand, NoInputIsReplacedByAReport) {
   fs::rename(path("capture/target.yaml"), path("capture/report.json"));
   test::replaceInFile(path("capture/capture.yaml"), "target.yaml", "report.json");

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "poecal/core/text.hpp"
+#include "poecal/report/fleet_page.hpp"
 #include "poecal/report/report.hpp"
 #include "report/report_cells.hpp"
 #include "support/program.hpp"
@@ -99,7 +100,35 @@ INSTANTIATE_TEST_SUITE_P(
         NamedRun{"PosesOfAnInstrument", [] { return test::runOfPoses(); }, {"ladder", "space", "sample", "driver-0", "coverage-joints"}}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
-// That the test above can fail: a page whose program throws, and one that asks for a picture.
+/// Captures of which one is not more than a name.
+std::vector<ResultSummary> fleet() {
+  ResultSummary flawed, bare;
+  flawed.name = test::kHostileName;
+  flawed.folder = bare.folder = "nowhere";
+  flawed.stages = {{"nominal", 3.0, 3.5, 7.0}, {"registered", 2.9, 3.4, 6.0}, {"identified", 0.2, 0.05, 2.0}};
+  flawed.verdict = "effects";
+  flawed.findings = {{"joint_backlash", "joint:2", "half_gap 0.0004 rad"}};
+  flawed.diagnosed = StageErrors{"identified + joint_backlash@joint:2", 0.1, 0.01, 0.3};
+  flawed.warnings = {test::kHostileName};
+  bare.name = "bare";
+  return {flawed, bare};
+}
+
+TEST(Browser, DrawsEveryCellOfAFleet) {
+  if (!std::filesystem::exists(kBrowser)) GTEST_SKIP() << "no " << kBrowser << " (apps/install-dependencies.sh --ci)";
+  if (!reportBuilt()) GTEST_SKIP() << "built without D3";
+  const test::TempFolder folder;
+  const Opened opened = openPage(fleetHtml(fleet(), folder.path() / "fleet.html"), folder);
+  EXPECT_THAT(opened.console, IsEmpty());
+  EXPECT_THAT(opened.requests, IsEmpty());
+  EXPECT_EQ(rootAttribute(opened.dom, "data-charts"), "cell-0 cell-1");
+  EXPECT_EQ(rootAttribute(opened.dom, "data-drawn"), "cell-0 cell-1");
+  EXPECT_THAT(opened.dom, HasSubstr("2 captures: 1 with findings, 0 with none, 1 without a diagnosis"));
+  EXPECT_THAT(opened.dom, HasSubstr("joint_backlash at joint 2 (half_gap 0.0004 rad)"));
+  EXPECT_THAT(opened.dom, Not(HasSubstr("<img")));
+}
+
+// That the tests above can fail: a page whose program throws, and one that asks for a picture.
 TEST(Browser, TellsOfWhatItComplains) {
   if (!std::filesystem::exists(kBrowser)) GTEST_SKIP() << "no " << kBrowser << " (apps/install-dependencies.sh --ci)";
   const test::TempFolder folder;

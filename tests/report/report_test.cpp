@@ -58,6 +58,7 @@ TEST(Report, ResidualsAreThoseThatTheIdentificationSums) {
   for (std::size_t stage = 0; stage < 3; ++stage) {
     const double expected = identification.stages[stage].calibration.px.rms;
     EXPECT_NEAR(rmsOfSizes(withBacklash(), stage), expected, kFourDigits * expected) << identification.stages[stage].name;
+    EXPECT_NEAR(withBacklash()["models_rms"][stage].get<double>(), expected, kFiveDigits * expected);
   }
 }
 

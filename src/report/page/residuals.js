@@ -17,7 +17,7 @@ function cornerResiduals(model) {
 
 function thinnedWords() {
   const {measured, shown} = report.counts;
-  return shown < measured ? ` Drawn: ${shown} of ${measured} samples, the worst and an even choice of the others; figures are of all.` : '';
+  return shown < measured ? ` Drawn: ${shown} of ${measured} samples, the worst and an even choice of the others.` : '';
 }
 
 function showResiduals() {
@@ -39,8 +39,8 @@ function showField(node) {
   node.append(pair);
   const entries = ['before', 'after'].map((kind) => chart(pair, {
     id: 'field-' + kind, width: 560, height: 24 + Math.round(560 * report.camera.height / report.camera.width),
-    words: `Residuals ${kind}, as arrows over the picture. Root mean square ${length(rmsOf(all[kind]))}.`,
-    caption: `${kind === 'before' ? 'Before' : 'After'}: ${modelName(kind === 'before' ? report.model_before : report.model_after)}, ${length(rmsOf(all[kind]))} rms on the poses that were fitted.` + (kind === 'after' ? thinnedWords() : ''),
+    words: `Residuals ${kind}, as arrows over the picture. Root mean square ${length(rmsOf(kind))}.`,
+    caption: `${kind === 'before' ? 'Before' : 'After'}: ${modelName(kind === 'before' ? report.model_before : report.model_after)}, ${length(rmsOf(kind))} rms on the poses that were fitted.` + (kind === 'after' ? thinnedWords() : ''),
     draw: (svg) => drawField(svg, thin(all[kind], 1600), kind, Math.pow(10, Number(slider.value))),
   }));
   const tell = () => { shownScale.textContent = '× ' + figure(Math.pow(10, Number(slider.value)), 2); };
@@ -48,7 +48,8 @@ function showField(node) {
   tell();
 }
 
-const rmsOf = (arrows) => Math.sqrt(d3.mean(arrows, (a) => a.du * a.du + a.dv * a.dv) || 0);
+/** Of all samples, drawn or not. */
+const rmsOf = (kind) => report.models_rms[kind === 'before' ? report.model_before : report.model_after];
 
 /** The longest usual arrow becomes a twentieth of the picture. */
 function startExaggeration(arrows, width) {
