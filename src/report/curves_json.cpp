@@ -81,9 +81,10 @@ Json curveJson(const ReportSource& source, const Finding& finding) {
       disturbancesOf(effects, model.cell, measured.target, measured.gravity, measured.samples, false, measured.other_columns);
   const bool joint = finding.location.starts_with("joint:");
   const std::size_t index = effects.front().effect.index();
-  bool moves_joint = false;
+  const bool random = effects.front().effect.kind().add_draw != nullptr;
+  bool at_joint = joint && random;
   for (const Disturbance& each : disturbances) {
-    moves_joint = moves_joint || (joint && each.joints.size() > 0 && each.joints(static_cast<Eigen::Index>(index)) != 0.0);
+    at_joint = at_joint || (joint && each.joints.size() > 0 && each.joints(static_cast<Eigen::Index>(index)) != 0.0);
   }
   Eigen::VectorXd x(source.shown.size()), before(x.size()), after(x.size()), curve(x.size());
   for (std::size_t number = 0; number < source.shown.size(); ++number) {
@@ -92,8 +93,14 @@ Json curveJson(const ReportSource& source, const Finding& finding) {
     const MeasuredMotion motion(model.cell, sample, observation, measured.target);
     const Eigen::VectorXd r = all.residual(observation);
     const Disturbance& disturbance = disturbances[observation.sample];
-    const CurvePoint point =
-        moves_joint ? atJoint(index, disturbance, motion.jointErrors(r)) : alongMotion(observation, motion.along(disturbance), r);
+    CurvePoint point;
+    if (at_joint) {
+      point = atJoint(index, disturbance, motion.jointErrors(r));
+    } else {
+      point = alongMotion(observation, motion.along(disturbance), r);
+    }
+    // What nobody can foretell is as large with it in the model as without.
+    if (random) point.before = kNone;
     const auto row = static_cast<Eigen::Index>(number);
     x(row) = valueOf(finding.driver, effects.front().effect, source.contexts[number]);
     before(row) = point.before;
@@ -101,8 +108,8 @@ Json curveJson(const ReportSource& source, const Finding& finding) {
     curve(row) = point.curve;
   }
   const bool angle = model.cell.arm->joints.at(index).type == JointType::kRevolute;
-  const char* unit = moves_joint ? (angle ? "mrad" : "mm") : (source.calibration.diagnosis->pixels ? "px" : "mm");
-  return {{"quantity", moves_joint ? "error of " + finding.location : "motion by the finding"},
+  const char* unit = at_joint ? (angle ? "mrad" : "mm") : (source.calibration.diagnosis->pixels ? "px" : "mm");
+  return {{"quantity", at_joint ? "error of " + finding.location : "motion by the finding"},
           {"unit", unit},
           {"x", roundedList(x)},
           {"before", roundedList(before, 4)},

@@ -80,7 +80,7 @@ std::vector<std::string> actionsOf(const Diagnosis& diagnosis) {
   std::vector<std::string> actions;
   for (const Finding& finding : diagnosis.findings) {
     if (!finding.remedy.empty())
-      addUnique(actions, fmt::format("{} ({}): {}.", capitalised(spoken(finding.location)), finding.effect, finding.remedy));
+      addUnique(actions, fmt::format("At {} ({}): {}.", spoken(finding.location), finding.effect, finding.remedy));
     if (!finding.separate_with.empty()) addUnique(actions, fmt::format("To tell the causes apart: {}.", finding.separate_with));
   }
   for (const Finding& finding : diagnosis.possibilities) {

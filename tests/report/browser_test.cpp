@@ -96,9 +96,44 @@ INSTANTIATE_TEST_SUITE_P(
                  {"ladder", "curve-0", "rivals-0", "space", "sample", "sample-near", "field-before", "field-after", "driver-0", "lens",
                   "uncertainty-side", "coverage-joints", "coverage-picture", "parameters-tilts", "detectable-0"}},
         NamedRun{"NothingFound", [] { return test::runWithout(); }, {"ladder", "space", "field-after", "lens", "detectable-0"}},
+        NamedRun{"CurveWithoutAName", [] { return test::runWithCurve(); }, {"ladder", "curve-0", "rivals-0", "space"}},
+        NamedRun{"RandomMotion", [] { return test::runWithScatter(); }, {"ladder", "curve-0", "rivals-0", "space"}},
         NamedRun{"IdentifiedOnly", [] { return test::identifiedOnly(); }, {"ladder", "space", "field-after", "parameters-shifts"}},
         NamedRun{"PosesOfAnInstrument", [] { return test::runOfPoses(); }, {"ladder", "space", "sample", "driver-0", "coverage-joints"}}),
     [](const auto& instance) { return std::string(instance.param.name); });
+
+/// A page that does by itself what its user may: moves every slider, chooses every option, presses every button and key, picks points.
+std::string usedByItself(std::string html) {
+  const std::string user = R"(<script>
+    const every = (what) => Array.from(document.querySelectorAll(what));
+    for (const slider of every('input[type=range]')) {
+      for (const value of [slider.min, slider.max]) { slider.value = value; slider.dispatchEvent(new Event('input')); }
+    }
+    for (const choice of every('select')) {
+      for (const option of choice.options) { choice.value = option.value; choice.dispatchEvent(new Event('change')); }
+    }
+    for (const pressed of every('button')) pressed.click();
+    for (const key of ['ArrowLeft', 'ArrowUp', 'ArrowRight', 'ArrowDown']) {
+      document.getElementById('chart-space').dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true, cancelable: true}));
+    }
+    for (const row of ['0', '1', '2']) document.querySelector('circle[data-row="' + row + '"]').dispatchEvent(new MouseEvent('click', {bubbles: true}));
+    window.dispatchEvent(new Event('beforeprint'));
+    const empty = charts.filter((chart) => chart.svg.childElementCount === 0).length;
+    document.documentElement.dataset.used = empty + ' empty, row ' + picked.row + ', ' + document.documentElement.dataset.theme;
+  </script>)";
+  return html.insert(html.rfind("</body>"), user);
+}
+
+TEST(Browser, EveryControlWorks) {
+  if (!std::filesystem::exists(kBrowser)) GTEST_SKIP() << "no " << kBrowser << " (apps/install-dependencies.sh --ci)";
+  if (!reportBuilt()) GTEST_SKIP() << "built without D3";
+  for (const CalibrationRun& run : {test::runWithBacklash(), test::runOfPoses()}) {
+    const test::TempFolder folder;
+    const Opened opened = openPage(usedByItself(reportHtml(reportJson(run, ""), {}, 1)), folder);
+    EXPECT_THAT(opened.console, IsEmpty());
+    EXPECT_EQ(rootAttribute(opened.dom, "data-used"), "0 empty, row 2, dark");  // it begins light, and the button was pressed once
+  }
+}
 
 /// Captures of which one is not more than a name.
 std::vector<ResultSummary> fleet() {

@@ -38,6 +38,25 @@ const CalibrationRun& runWithout() {
   return run;
 }
 
+const CalibrationRun& runWithCurve() {
+  static const CalibrationRun run = [] {
+    SmallCell small = smallCell(11, 80, 0.1,
+                                {{.effect = "unknown",
+                                  .location = "joint:3",
+                                  .parameters = {{"low", -0.7}, {"high", 0.7}, {"c3", 4e-4}, {"c5", -4e-4}, {"c7", 4e-4}},
+                                  .driver = "q3"}});
+    for (CornerMeasurement& corner : small.observations[7].corners) corner.px.x() += 30.0;
+    return calibrated(small, true);
+  }();
+  return run;
+}
+
+const CalibrationRun& runWithScatter() {
+  static const CalibrationRun run =
+      calibrated(smallCell(9, 80, 0.1, {{.effect = "joint_scatter", .location = "joint:2", .parameters = {{"sigma", 4e-4}}}}), true);
+  return run;
+}
+
 CalibrationRun identifiedOnly() {
   CalibrationRun run = runWithBacklash();
   run.calibration.diagnosis.reset();

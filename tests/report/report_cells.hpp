@@ -12,6 +12,10 @@ inline constexpr const char* kHostileName = "</script><img src=x onerror=alert(1
 const CalibrationRun& runWithBacklash();
 /// The same cell without any effect.
 const CalibrationRun& runWithout();
+/// A curve at joint 3 that no effect has, and one picture whose corners belong elsewhere.
+const CalibrationRun& runWithCurve();
+/// Joint 2 comes to rest at random.
+const CalibrationRun& runWithScatter();
 /// runWithBacklash() as `identify` leaves it.
 CalibrationRun identifiedOnly();
 /// Poses of an instrument, with the same play.

@@ -97,6 +97,17 @@ TEST(Report, WordsTheVerdictInThreeSentences) {
   EXPECT_EQ(Json::parse(reportJson(test::runWithout(), ""))["verdict"]["headline"], "Nothing beyond noise and geometry");
 }
 
+TEST(Report, TheFindingsAreThoseThatTheirCellsHave) {
+  const auto effects = [](const CalibrationRun& run) {
+    std::vector<std::string> names;
+    for (const Finding& finding : run.calibration.diagnosis->findings) names.push_back(finding.effect);
+    return names;
+  };
+  EXPECT_THAT(effects(test::runWithCurve()), ::testing::ElementsAre("unknown", "bad_samples"));
+  EXPECT_THAT(effects(test::runWithScatter()), ::testing::ElementsAre("joint_scatter"));
+  EXPECT_THAT(effects(test::runWithout()), ::testing::IsEmpty());
+}
+
 TEST(Report, PosesOfAnInstrumentHaveMillimetres) {
   const Json report = Json::parse(reportJson(test::runOfPoses(), ""));
   EXPECT_EQ(report["pixels"], false);
