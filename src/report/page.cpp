@@ -29,7 +29,7 @@ std::filesystem::path folderOf(const std::string& pictures, const std::filesyste
 }
 
 void writePage(const std::string& json, const std::string& pictures, const std::filesystem::path& out, int jobs) {
-  writeTextFile(out / "report.html", reportHtml(json, folderOf(pictures, out), jobs));
+  writeTextFile(out / "report.html", reportHtml(json, folderOf(pictures, out), jobs, out / ".stages" / "report-pictures"));
 }
 
 constexpr const char* kNotBuilt =
@@ -43,13 +43,13 @@ void requireReport() {
   if (!reportBuilt()) throw InvalidArgument(kNotBuilt);
 }
 
-std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs) {
+std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept) {
   requireReport();
   const PageAssets& assets = pageAssets();
   const std::string data = inScript(json);
   const std::size_t fixed = assets.html.size() + assets.style.size() + assets.program.size() + assets.d3.size() + data.size();
   const std::size_t left = kMostBytes > fixed ? kMostBytes - fixed : 0;
-  const std::string shown = inScript(samplePictures(Json::parse(json), pictures, left, jobs));
+  const std::string shown = inScript(samplePictures(Json::parse(json), pictures, left, jobs, kept));
   return pageText(assets.program, data, shown);
 }
 

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "detection/picture.hpp"
+#include "poecal/core/content_key.hpp"
 #include "poecal/core/parallel.hpp"
+#include "poecal/core/text.hpp"
 
 namespace poecal {
 namespace {
@@ -114,9 +117,30 @@ std::vector<std::size_t> chosenRows(const Json& samples, std::size_t after, std:
   return chosen;
 }
 
+/// Of all that the small pictures are made from.
+std::string keyOf(const Json& samples, const std::vector<std::size_t>& rows, const std::filesystem::path& folder, std::size_t each) {
+  ContentKey key;
+  key.add(std::to_string(each));
+  for (const std::size_t row : rows) {
+    key.add(std::to_string(row)).add(samples[row].value("corners", Json::array()).dump());
+    key.addFile(folder / samples[row].value("image", ""));
+  }
+  return key.text();
+}
+
+/// What was kept under this key.
+std::optional<std::string> keptText(const std::filesystem::path& kept, const std::string& key) {
+  std::error_code status;
+  if (kept.empty() || !std::filesystem::is_regular_file(kept, status)) return std::nullopt;
+  const std::string text = readTextFile(kept);
+  if (!text.starts_with(key + '\n')) return std::nullopt;
+  return text.substr(key.size() + 1);
+}
+
 }  // namespace
 
-std::string samplePictures(const nlohmann::ordered_json& report, const std::filesystem::path& folder, std::size_t most_bytes, int jobs) {
+std::string samplePictures(const nlohmann::ordered_json& report, const std::filesystem::path& folder, std::size_t most_bytes, int jobs,
+                           const std::filesystem::path& kept) {
   constexpr std::size_t kMostPictures = 200;
   constexpr std::size_t kFewestBytes = 6000, kMostBytes = 40000;  // of a picture: fewer show nothing, more show no more
   const Json& samples = report.at("samples");
@@ -124,13 +148,17 @@ std::string samplePictures(const nlohmann::ordered_json& report, const std::file
   std::vector<std::size_t> rows;
   if (!folder.empty()) rows = chosenRows(samples, report.at("model_after").get<std::size_t>(), most);
   const std::size_t each = rows.empty() ? 0 : std::min(kMostBytes, most_bytes / rows.size());
+  const std::string key = kept.empty() ? "" : keyOf(samples, rows, folder, each);
+  if (const std::optional<std::string> same = keptText(kept, key)) return *same;
   std::vector<Json> pictures(rows.size());
   parallelFor(rows.size(), jobs, [&](std::size_t k) { pictures[k] = pictureJson(samples[rows[k]], rows[k], folder, each); });
   Json list = Json::array();
   for (Json& picture : pictures) {
     if (!picture.is_null()) list.push_back(std::move(picture));
   }
-  return Json{{"wanted", rows.size()}, {"pictures", std::move(list)}}.dump();
+  const std::string text = Json{{"wanted", rows.size()}, {"pictures", std::move(list)}}.dump();
+  if (!kept.empty()) writeTextFile(kept, key + '\n' + text);
+  return text;
 }
 
 }  // namespace poecal

@@ -123,6 +123,20 @@ TEST_F(PicturesOfNoise, TheCommandWritesWhatTheRunWrote) {
   EXPECT_TRUE(readTextFile(out / "report.html") == written);
 }
 
+TEST_F(PicturesOfNoise, SmallPicturesAreKeptUntilAPictureChanges) {
+  POECAL_REQUIRE_D3;
+  const std::filesystem::path kept = folder_.path() / "kept";
+  const std::string json = reportJson(run_, ".");
+  const std::string first = reportHtml(json, folder_.path(), 1, kept);
+  // What is kept is taken: a mark in it is in the page.
+  folder_.write("kept", readTextFile(kept) + " ");
+  EXPECT_EQ(reportHtml(json, folder_.path(), 1, kept).size(), first.size() + 1);
+  std::filesystem::copy_file(folder_.path() / "1.png", folder_.path() / "0.png", std::filesystem::copy_options::overwrite_existing);
+  const Json pictures = dataIn(reportHtml(json, folder_.path(), 1, kept), "pictures")["pictures"];
+  EXPECT_NE(pictures[0], dataIn(first, "pictures")["pictures"][0]);
+  EXPECT_EQ(pictures[1], dataIn(first, "pictures")["pictures"][1]);
+}
+
 TEST(ReportPage, ResultsThatHoldNoReportAreRefused) {
   POECAL_REQUIRE_D3;
   const test::TempFolder folder;

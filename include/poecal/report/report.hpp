@@ -27,8 +27,9 @@ std::string reportJson(const CalibrationRun& run, const std::string& pictures);
 /// @param json      text of report.json.
 /// @param pictures  folder with the pictures; those that are not there are left out, which the page says.
 /// @param jobs      pictures read at a time; 0: one per core. The result does not depend on it.
+/// @param kept      a file in which the small pictures are kept, so that those that did not change are not made again; empty: none.
 /// @throws InvalidArgument as requireReport().
-std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs);
+std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept = {});
 
 /// Writes OUT/report.json. Nothing where the arm was not identified: such results have no report.
 /// @param capture  its folder; empty for poses of an instrument.
