@@ -87,6 +87,19 @@ TEST(Report, TheCurveIsWhatTheFindingSays) {
   EXPECT_LT(after, 0.05 * before);
 }
 
+// What the geometric model leaves of the play shows at its joint, with its sign; axes that are fitted take up a part of it.
+TEST(Report, ErrorsOfAJointHaveTheSignOfWhatMovesIt) {
+  const double play = 1e3 * test::runWithBacklash().calibration.diagnosis->findings.at(0).parameters.at("half_gap");
+  double before = 0.0, after = 0.0;
+  for (const Json& sample : withBacklash()["samples"]) {
+    before += sample["dir"][1].get<double>() * sample["joint_errors"]["before"][1].get<double>() / 60.0;
+    after += sample["dir"][1].get<double>() * sample["joint_errors"]["after"][1].get<double>() / 60.0;
+  }
+  EXPECT_GT(before, 0.5 * play);
+  EXPECT_LT(before, 1.1 * play);
+  EXPECT_LT(std::abs(after), 0.1 * play);
+}
+
 TEST(Report, WordsTheVerdictInThreeSentences) {
   for (const CalibrationRun& run : {test::runWithBacklash(), test::runWithout(), test::identifiedOnly(), test::runOfPoses()}) {
     const Json verdict = Json::parse(reportJson(run, ""))["verdict"];

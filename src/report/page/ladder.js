@@ -62,7 +62,7 @@ function showLadder() {
   const words = rows.map((row) => `${row.label}: ${length(row.rms)}`).join('; ');
   chart(node, {
     id: 'ladder', width: 960, height: 46 + 34 * rows.length, words: `Root mean square error of each stage on ${where}. ${words}.`,
-    caption: `Root mean square ${report.pixels ? 'length of a corner’s residual' : 'distance'} on ${where}, logarithmic; bars: 95 % intervals, the poses a sample. Beside it the mean error of the flange.`,
+    caption: `Root mean square ${report.pixels ? 'length of a corner’s residual' : 'distance'} on ${where}, logarithmic; bars: 95 % intervals from resampled poses. Beside it the mean error of the flange.`,
     draw: (svg) => drawLadder(svg, rows),
   });
 }
