@@ -12,13 +12,15 @@ packages=(
   libxxhash-dev nlohmann-json3-dev
   # cairo.h, and the font of what is printed
   libcairo2-dev fonts-dejavu-core
+  # D3, for report.html
+  node-d3
   # find_package in apps/ and tests/
   libcli11-dev libgmock-dev libgtest-dev liborocos-kdl-dev
 )
 for option in "$@"; do
   case $option in
     --workflow) packages+=(snakemake) ;;
-    --ci) packages+=(clang-format clang-tidy doxygen librsvg2-bin poppler-utils) ;;
+    --ci) packages+=(chromium clang-format clang-tidy doxygen librsvg2-bin poppler-utils) ;;
     *)
       echo "error: unknown option $option, expected --workflow or --ci" >&2
       exit 2

@@ -19,6 +19,7 @@ std::function<int()> setUpNew(CLI::App& app, const Common& common);
 std::function<int()> setUpPaper(CLI::App& app, const Common& common);
 std::function<int()> setUpPlan(CLI::App& app, const Common& common);
 std::function<int()> setUpPredict(CLI::App& app, const Common& common);
+std::function<int()> setUpReport(CLI::App& app, const Common& common);
 std::function<int()> setUpRun(CLI::App& app, const Common& common);
 std::function<int()> setUpSimulate(CLI::App& app, const Common& common);
 std::function<int()> setUpTarget(CLI::App& app, const Common& common);

@@ -18,15 +18,8 @@ namespace poecal::app {
 
 namespace {
 
-/// A command of the contract whose work is not written yet says so, whatever its options.
-std::function<int()> setUpNotBuilt(CLI::App& app, const Common&) {
-  app.allow_extras();
-  app.fallthrough(false);  // what falls through to the program is held against its options
-  return [&app]() -> int { throw InvalidArgument(app.get_name() + " is not built yet"); };
-}
-
 constexpr Command kCommands[] = {
-    {"run", "the main job: lens if needed, corners, registration, identification, diagnosis", setUpRun},
+    {"run", "the main job: lens if needed, corners, registration, identification, diagnosis, report", setUpRun},
     {"target", "a tag or board to print at true scale, and its target.yaml", setUpTarget},
     {"new", "a capture folder to fill in", setUpNew},
     {"check", "judge a capture before anything is fitted", setUpCheck},
@@ -43,7 +36,7 @@ constexpr Command kCommands[] = {
     {"plan", "the next poses worth taking, or a whole first capture", setUpPlan},
     {"diagnose", "find where the gap lies, which effect causes it, how much it shrinks", setUpDiagnose},
     {"fleet", "put the results of many captures into one table", setUpFleet},
-    {"report", "one self-contained page (not built yet)", setUpNotBuilt},
+    {"report", "the results of a capture as one page that opens in any browser", setUpReport},
 };
 
 int runProgram(int argc, char** argv) {

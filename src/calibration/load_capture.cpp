@@ -105,6 +105,7 @@ LoadedCapture loadCapture(const CaptureSource& source, const std::filesystem::pa
   if (!source.intrinsics.empty()) files.push_back(source.intrinsics);
   const std::vector<std::filesystem::path> results = resultsOf(capture, out);
   requireOutputs(results, files);
+  requireOutputs(reportFiles(out), files);
   loaded.record = std::make_shared<const ResultRecord>(out, results, listener);
   loaded.nominal.camera = cameraOf(capture, out, jobs, listener);
   if (capture.table.has_joints) loaded.nominal.arm = capture.arm;

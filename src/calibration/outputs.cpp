@@ -21,6 +21,8 @@ void requireOutputs(const std::vector<std::filesystem::path>& outputs, const std
   }
 }
 
+std::vector<std::filesystem::path> reportFiles(const std::filesystem::path& out) { return {out / "report.json", out / "report.html"}; }
+
 std::vector<std::filesystem::path> filesOf(const Capture& capture, bool detections) {
   std::vector<std::filesystem::path> files = capture.files;
   if (detections && !capture.detections_file.empty()) files.push_back(capture.detections_file);

@@ -57,6 +57,7 @@ CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& 
                         const ResultFiles& files, Listener& listener) {
   const std::vector<std::filesystem::path> results{out / "model.yaml", out / "identification.json", out / "diagnosis.json"};
   requireOutputs(results, {source.robot, source.poses});
+  requireOutputs(reportFiles(out), {source.robot, source.poses});
   const ResultRecord record(out, results, listener);
   Cell nominal;
   nominal.arm = readArm(source.robot, source.base_link, source.tip_link);

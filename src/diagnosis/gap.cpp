@@ -15,7 +15,7 @@ namespace {
 /// Sums over some poses.
 struct Sums {
   double before = 0.0, after = 0.0, expected = 0.0, points = 0.0;
-  void add(const PoseErrors& one, const PoseErrors& other, double by_covariance) {
+  void add(const PoseSquares& one, const PoseSquares& other, double by_covariance) {
     before += one.squares;
     after += other.squares;
     expected += by_covariance;
@@ -114,7 +114,7 @@ std::vector<SlipTime> slipTimes(const Selection& selection) {
 
 double meanSquare(const Rung& rung) {
   double squares = 0.0, points = 0.0;
-  for (const PoseErrors& pose : rung.poses) {
+  for (const PoseSquares& pose : rung.poses) {
     squares += pose.squares;
     points += pose.points;
   }
@@ -163,6 +163,7 @@ GapStage Gap::stageOf(const Rung& rung) const {
   stage.stage = rung.stage;
   stage.errors = rung.every_row;
   stage.rms = std::sqrt(meanSquare(rung));
+  stage.rms_interval = rmsInterval(rung.poses);
   stage.excess = std::sqrt(std::max(0.0, meanSquare(rung) - subtracted_));
   if (!(stage.excess <= stage.rms) || !(noiseRms() <= stage.rms)) {
     throw std::logic_error("the noise told is larger than what poses that a fit did not see are off by");

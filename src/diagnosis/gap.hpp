@@ -13,16 +13,10 @@
 
 namespace poecal {
 
-/// Sums of one pose (all its shots), collected over the folds.
-struct PoseErrors {
-  double squares = 0.0;  ///< of corner lengths [px^2], or positions [m^2]
-  double points = 0.0;   ///< corners, or positions
-};
-
-/// One rung: per pose that was kept, in the order of the groups.
+/// One rung: per pose that was kept, in the order of the groups, collected over the folds.
 struct Rung {
   std::string stage;
-  std::vector<PoseErrors> poses;
+  std::vector<PoseSquares> poses;
   ErrorSummary every_row;  ///< the rows that were set aside among them
 };
 

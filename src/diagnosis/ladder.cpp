@@ -72,7 +72,7 @@ Rung Ladder::rungOf(const std::string& stage, const std::vector<RowErrors>& rows
   for (const RowErrors& row : rows) by_number[row.index] = &row;
   Rung rung{stage, {}, every_row};
   for (const std::vector<std::size_t>& group : selection_.measured.groups) {
-    PoseErrors& pose = rung.poses.emplace_back();
+    PoseSquares& pose = rung.poses.emplace_back();
     for (const std::size_t k : group) {
       for (const double length : by_number.at(kept_[k])->lengths) {
         pose.squares += length * length;

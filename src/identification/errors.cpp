@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "cell/linearisation.hpp"
+#include "poecal/core/random.hpp"
 #include "poecal/core/statistics.hpp"
 
 namespace poecal {
@@ -110,6 +111,23 @@ Vector6d poseError(const PoseMeasurement& pose, const Eigen::VectorXd& r) {
 LengthSummary summarise(const std::vector<double>& lengths) {
   if (lengths.empty()) return {};
   return {mean(lengths), median(lengths), rms(lengths), quantile(lengths, 0.95), *std::max_element(lengths.begin(), lengths.end())};
+}
+
+std::pair<double, double> rmsInterval(const std::vector<PoseSquares>& poses) {
+  constexpr int kResamples = 1000;
+  std::vector<double> values;
+  Rng rng(1);
+  for (int resample = 0; resample < kResamples && !poses.empty(); ++resample) {
+    PoseSquares sum;
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const PoseSquares& pose = poses[rng.below(poses.size())];
+      sum.squares += pose.squares;
+      sum.points += pose.points;
+    }
+    if (sum.points > 0.0) values.push_back(std::sqrt(sum.squares / sum.points));
+  }
+  if (values.empty()) return {0.0, 0.0};
+  return {quantile(values, 0.025), quantile(values, 0.975)};
 }
 
 std::vector<FlangeError> expectedFlangeErrors(const std::vector<FlangeEvidence>& evidence) {

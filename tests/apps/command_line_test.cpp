@@ -67,22 +67,7 @@ TEST_P(EachCommand, HelpShowsARun) {
 
 INSTANTIATE_TEST_SUITE_P(All, EachCommand,
                          ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "diagnose", "predict",
-                                           "compensate", "effects", "export", "fleet", "paper", "plan", "target", "new", "check"),
-                         [](const auto& instance) { return std::string(instance.param); });
-
-class CommandOfLater : public ::testing::TestWithParam<const char*> {};
-
-TEST_P(CommandOfLater, SaysThatItIsNotBuiltYetWhateverItsOptions) {
-  const test::TempFolder folder;
-  for (const char* arguments : {"", " capture --out out", " --robot robot.yaml --poses poses.csv --json", " out --jobs 2 --quiet"}) {
-    const test::ProgramRun result = test::runProgram(folder.path(), GetParam() + std::string(arguments));
-    EXPECT_EQ(result.status, 2) << arguments;
-    EXPECT_THAT(result.out, IsEmpty()) << arguments;
-    EXPECT_EQ(result.err, "poecal: error: " + std::string(GetParam()) + " is not built yet\n") << arguments;
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(All, CommandOfLater, ::testing::Values("report"),
+                                           "compensate", "effects", "export", "fleet", "paper", "plan", "target", "new", "check", "report"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace

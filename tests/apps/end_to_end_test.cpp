@@ -89,12 +89,13 @@ TEST_F(EndToEnd, WhatIsUpToDateIsNotDoneAgain) {
 TEST_F(EndToEnd, ResultsDoNotDependOnTheNumberOfJobs) {
   test::writeSmallScene(folder_.path(), test::SmallCell::kPictures);
   for (const std::string jobs : {"1", "2"}) {
-    runWell("simulate scene/scene.yaml --out capture" + jobs + " --jobs " + jobs);
-    runWell("run capture" + jobs + " --out out" + jobs + " --jobs " + jobs);
+    // Each in a folder of its own: report.json names that of the capture.
+    runWell("simulate scene/scene.yaml --out " + jobs + "/capture --jobs " + jobs);
+    runWell("run " + jobs + "/capture --out " + jobs + "/out --jobs " + jobs);
   }
-  EXPECT_EQ(test::contentOf(path("capture1")), test::contentOf(path("capture2")));
-  EXPECT_EQ(test::contentOf(path("capture1-truth")), test::contentOf(path("capture2-truth")));
-  EXPECT_EQ(test::contentOf(path("out1")), test::contentOf(path("out2")));
+  for (const char* folder : {"capture", "capture-truth", "out"}) {
+    EXPECT_TRUE(test::contentOf(path("1") / folder) == test::contentOf(path("2") / folder)) << folder;
+  }
 }
 
 TEST_F(EndToEnd, QuietIsSilentAndJsonIsJson) {

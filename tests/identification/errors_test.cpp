@@ -85,5 +85,32 @@ TEST(FlangeErrors, LargeOnesAreAsMeasured) {
   EXPECT_NEAR(compared.told.position.mean, 0.02, 0.001);
 }
 
+// Of n poses with four normal numbers each, the rms is off by 1/sqrt(8 n) of itself (1 sigma): the mean of 4 n squares, whose variance
+// is 2.
+TEST(RmsInterval, IsAsWideAsChanceMakesIt) {
+  constexpr int kPoses = 400, kNumbers = 4;
+  Rng rng(3);
+  std::vector<PoseSquares> poses(kPoses);
+  double squares = 0.0;
+  for (PoseSquares& pose : poses) {
+    for (int k = 0; k < kNumbers; ++k) pose.squares += std::pow(0.2 * rng.normal(), 2);
+    pose.points = kNumbers;
+    squares += pose.squares;
+  }
+  const double rms = std::sqrt(squares / (kPoses * kNumbers));
+  const auto [low, high] = rmsInterval(poses);
+  const double expected = 1.96 * rms / std::sqrt(2.0 * kPoses * kNumbers);
+  // The quantiles of 1000 resamples, and the variance that 400 poses tell, are each known to a tenth.
+  EXPECT_NEAR(rms - low, expected, 0.25 * expected);
+  EXPECT_NEAR(high - rms, expected, 0.25 * expected);
+  EXPECT_EQ(rmsInterval(poses), std::pair(low, high));
+}
+
+TEST(RmsInterval, OfPosesThatAreAllTheSameIsTheirRms) {
+  const std::vector<PoseSquares> poses(10, {.squares = 4.0, .points = 1.0});
+  EXPECT_EQ(rmsInterval(poses), std::pair(2.0, 2.0));
+  EXPECT_EQ(rmsInterval({}), std::pair(0.0, 0.0));
+}
+
 }  // namespace
 }  // namespace poecal

@@ -23,9 +23,11 @@ inline ProgramRun runShell(const std::filesystem::path& folder, const std::strin
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readTextFile(folder / "stdout.txt"), readTextFile(folder / "stderr.txt")};
 }
 
+#ifdef POECAL_PROGRAM
 /// `poecal ARGUMENTS`.
 inline ProgramRun runProgram(const std::filesystem::path& folder, const std::string& arguments) {
   return runShell(folder, "'" POECAL_PROGRAM "' " + arguments);
 }
+#endif
 
 }  // namespace poecal::test

@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/report/report.hpp"
 #include "sources.hpp"
 #include "summaries.hpp"
 
@@ -42,6 +43,7 @@ std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
     if (!options->explain.empty()) effectKind(options->explain);
     if (!source.capture.identified.empty() && source.capture.folder.empty()) throw InvalidArgument("--identified needs a CAPTURE");
     const CalibrationRun run = runSource("diagnose", source, options->out, options->calibrate, {.diagnosis = true}, common);
+    writeReportData(run, source.capture.folder, options->out);
     std::string text = diagnosisSummary(run);
     if (!options->explain.empty() && run.calibration.diagnosis) text += explainEffect(*run.calibration.diagnosis, options->explain);
     printReport(common, text, diagnosisJson(run.calibration, run.measurements));

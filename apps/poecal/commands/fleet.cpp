@@ -7,6 +7,8 @@
 #include "poecal/calibration/fleet.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/report/fleet_page.hpp"
+#include "poecal/report/report.hpp"
 #include "terminal.hpp"
 
 namespace poecal::app {
@@ -70,18 +72,27 @@ nlohmann::json rowJson(const ResultSummary& summary) {
 std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
   struct Options {
     std::vector<std::filesystem::path> folders;
-    std::filesystem::path out;
+    std::filesystem::path out, page;
   };
   const auto options = std::make_shared<Options>();
   app.add_option("OUT", options->folders, "Folders that `run`, or its steps, wrote: one for each capture")->required();
   app.add_option("--out", options->out, "The table to write (fleet.csv)")->required();
+  app.add_option("--page", options->page, "A page with a small picture of every capture to write too (fleet.html)");
   app.footer(kExample);
   return [options, &common] {
     std::vector<std::filesystem::path> inputs;
     for (const std::filesystem::path& folder : options->folders) {
       for (const char* name : {"registration.yaml", "identification.json", "diagnosis.json"}) inputs.push_back(folder / name);
     }
-    requireOutputs({options->out}, inputs);
+    std::vector<std::filesystem::path> outputs{options->out};
+    if (!options->page.empty()) {
+      requireReport();
+      outputs.push_back(options->page);
+      for (const std::filesystem::path& folder : options->folders) {
+        for (const std::filesystem::path& file : reportFiles(folder)) inputs.push_back(file);
+      }
+    }
+    requireOutputs(outputs, inputs);
     std::vector<ResultSummary> results;
     nlohmann::json captures = nlohmann::json::array();
     for (const std::filesystem::path& folder : options->folders) {
@@ -89,8 +100,14 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
       captures.push_back(rowJson(results.back()));
     }
     writeTextFile(options->out, fleetCsv(results));
-    printSummary(common, fleetText(results) + fmt::format("{} captures in {}\n", results.size(), options->out.string()),
-                 {{"captures", captures}, {"file", options->out.string()}});
+    std::string text = fleetText(results) + fmt::format("{} captures in {}", results.size(), options->out.string());
+    nlohmann::json json{{"captures", captures}, {"file", options->out.string()}};
+    if (!options->page.empty()) {
+      writeTextFile(options->page, fleetHtml(results, options->page));
+      text += ", to look at: " + options->page.string();
+      json["page"] = options->page.string();
+    }
+    printSummary(common, text + "\n", json);
     return 0;
   };
 }

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "poecal/report/report.hpp"
 #include "sources.hpp"
 #include "summaries.hpp"
 
@@ -34,6 +35,7 @@ std::function<int()> setUpIdentify(CLI::App& app, const Common& common) {
   app.footer(kExample);
   return [options, &common] {
     const CalibrationRun run = runSource("identify", options->source, options->out, options->calibrate, {.identification = true}, common);
+    writeReportData(run, options->source.capture.folder, options->out);
     printReport(common, identificationText(run), identificationJson(*run.calibration.identification, run.measurements.samples));
     return 0;
   };

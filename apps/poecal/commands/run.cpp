@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "poecal/report/report.hpp"
 #include "sources.hpp"
 #include "summaries.hpp"
 
@@ -20,7 +21,7 @@ Example:
     registered      2.776 px      3.532 mm    7.007 mrad      3.125 px      3.794 mm    7.296 mrad
     identified      0.004 px      0.001 mm    0.011 mrad      0.005 px      0.001 mm    0.020 mrad
   diagnosis: nothing beyond noise and geometry
-  results in out; the report is not built yet
+  results in out, to look at: out/report.html
 )";
 
 }  // namespace
@@ -47,7 +48,10 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
       json.emplace_back("identify", identificationJson(*calibration.identification, run.measurements.samples));
       json.emplace_back("diagnose", diagnosisJson(calibration, run.measurements));
     }
-    text += "results in " + options->out.string() + "; the report is not built yet\n";
+    const std::string no_page = writeReport(run, options->capture.folder, options->out, common.jobs);
+    const std::string out = options->out.string();
+    text += no_page.empty() ? "results in " + out + ", to look at: " + (options->out / "report.html").string() + "\n"
+                            : "results in " + out + ", without report.html: " + no_page + "\n";
     printReport(common, text, jsonObject(json));
     return 0;
   };

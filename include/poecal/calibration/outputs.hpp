@@ -13,6 +13,9 @@ namespace poecal {
 /// where something is in its place that no result must replace (a folder, a device, a link).
 void requireOutputs(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs);
 
+/// The files of OUT that a report of its results is written to. They are made from the others, and not kept where somebody changed them.
+std::vector<std::filesystem::path> reportFiles(const std::filesystem::path& out);
+
 /// The files of a capture, those that it names and its pictures. @param detections  whether that of corners found earlier is one too.
 std::vector<std::filesystem::path> filesOf(const Capture& capture, bool detections);
 /// Likewise of a folder with pictures of a board.

@@ -37,6 +37,7 @@ struct GapStage {
   ErrorSummary errors;  ///< of every row; the first three are those of the identification
   double rms = 0.0;     ///< of the rows that were kept: length of a corner's residual [px]; for poses the distance [m]
   double excess = 0.0;  ///< sqrt(max(0, rms^2 - noise^2)) [px] or [m]
+  std::pair<double, double> rms_interval{0.0, 0.0};  ///< 95 % of `rms`, the poses a sample
 };
 
 /// Where a finding's name is not the only one that the data leave open.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,6 +20,15 @@ struct LengthSummary {
   double mean = 0.0, median = 0.0, rms = 0.0, p95 = 0.0, max = 0.0;
 };
 LengthSummary summarise(const std::vector<double>& lengths);
+
+/// Squares of lengths of one pose, all its shots together.
+struct PoseSquares {
+  double squares = 0.0;  ///< sum of squared lengths, [px^2] or [m^2]
+  double points = 0.0;   ///< number of lengths
+};
+/// 95 % interval of sqrt(sum of squares / sum of points): percentiles over resampled poses, always the same for the same poses. (0, 0)
+/// where there are no points.
+std::pair<double, double> rmsInterval(const std::vector<PoseSquares>& poses);
 
 /// Errors of a set of poses.
 struct ErrorSummary {
