@@ -67,9 +67,8 @@ constexpr std::array<FlawColumn, 5> kFlawColumns{{{"gain", "joint_gain", "gain"}
 
 JointFlaws flawsOf(const Model& model, std::size_t joint) {
   JointFlaws flaws;
-  const std::string place = fmt::format("joint:{}", joint + 1);
   for (const AppliedEffect& applied : model.effects) {
-    if (applied.effect.location() != place) continue;
+    if (applied.effect.place() != Place{PlaceKind::kJoint, joint}) continue;
     bool known = false;
     const std::vector<EffectParameter>& parameters = applied.effect.parameters();
     std::vector<std::string> values;
@@ -84,7 +83,7 @@ JointFlaws flawsOf(const Model& model, std::size_t joint) {
       }
     }
     if (!known)
-      flaws.others.push_back(fmt::format("{} by {}: {}", applied.effect.name(), applied.effect.driver(), fmt::join(values, ", ")));
+      flaws.others.push_back(fmt::format("{} by {}: {}", applied.effect.name(), applied.effect.driver().name(), fmt::join(values, ", ")));
   }
   return flaws;
 }

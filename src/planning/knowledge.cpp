@@ -78,7 +78,7 @@ Candidate modelCandidate(const AppliedEffect& applied) {
   Candidate candidate;
   candidate.effect = applied.effect;
   candidate.name = applied.effect.name();
-  candidate.location = applied.effect.location();
+  candidate.place = applied.effect.place();
   candidate.driver = applied.effect.driver();
   candidate.parameters = applied.parameters;
   std::vector<double> typical;

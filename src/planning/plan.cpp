@@ -187,7 +187,7 @@ Plan planPoses(const PlanningCell& cell, const PlanOptions& options) {
   const std::vector<Sample> candidates = candidatesOf(pool, options, plan);
   const Knowledge knowledge(cell, cell.model.effects);
   for (const AppliedEffect& applied : cell.model.effects)
-    plan.sides_matter = plan.sides_matter || applied.effect.driver().starts_with("dir");
+    plan.sides_matter = plan.sides_matter || applied.effect.driver().kind() == DriverKind::kDirection;
   const Workspace workspace(knowledge, pool.anywhere(kWorkspace));
   const Eigen::MatrixXd before = knowledge.prior().precision + squaresOf(knowledge.taken(), knowledge.columns());
   AimOf aim_of = [&](const std::vector<Sample>& samples) -> std::unique_ptr<Aim> {

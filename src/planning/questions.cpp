@@ -55,7 +55,7 @@ bool isOf(const Rival& rival, const std::string& effect, const std::string& loca
 /// Takes the effect that a finding names out of a model's. @return it, where it is among them.
 std::optional<AppliedEffect> takeOut(const Rival& finding, std::vector<AppliedEffect>& effects) {
   const auto found = std::find_if(effects.begin(), effects.end(), [&finding](const AppliedEffect& applied) {
-    return isOf(finding, applied.effect.name(), applied.effect.location(), applied.effect.driver());
+    return isOf(finding, applied.effect.name(), applied.effect.location(), applied.effect.driver().name());
   });
   if (found == effects.end()) return {};
   AppliedEffect effect = *found;
@@ -115,7 +115,7 @@ Explanations explanationsOf(const PlanningCell& cell, const Rivals& rivals, std:
       instances.push_back(modelCandidate(*found));
     } else {
       std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(instances),
-                   [&rival](const Candidate& candidate) { return isOf(rival, candidate.name, candidate.location, candidate.driver); });
+                   [&rival](const Candidate& candidate) { return isOf(rival, candidate.name, candidate.place.name(), candidate.driver.name()); });
     }
     const std::optional<FurtherColumns> best = bestInstance(cell, all.effects, instances);
     if (best) {
@@ -230,9 +230,9 @@ std::vector<Candidate> askedFor(const Rival& asked, const CandidateList& list) {
   std::vector<std::string> places;
   for (const Candidate& candidate : list.candidates) {
     if (candidate.name != asked.effect) continue;
-    const std::string place = candidate.location + "/" + candidate.driver;
+    const std::string place = candidate.place.name() + "/" + candidate.driver.name();
     if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
-    if (candidate.location != asked.location || (!asked.driver.empty() && candidate.driver != asked.driver)) continue;
+    if (candidate.place.name() != asked.location || (!asked.driver.empty() && candidate.driver.name() != asked.driver)) continue;
     if (candidate.slipTime())
       throw InvalidArgument(fmt::format("{} happens at a time: poses do not decide whether it shows", asked.effect));
     const std::vector<EffectParameter>& parameters = candidate.effect->parameters();

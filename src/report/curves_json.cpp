@@ -16,18 +16,23 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Value of a finding's driver; of several the first.
 double valueOf(const std::string& drivers, const Effect& effect, const SampleContext& context) {
-  const std::string driver = drivers.substr(0, drivers.find(','));
+  const Driver driver(drivers.substr(0, drivers.find(',')));
   const auto number = static_cast<Eigen::Index>(effect.index());
-  if (driver.starts_with("dir")) {
-    const Eigen::Index k = std::stol(driver.substr(3)) - 1;
-    return k < context.sample.dir.size() ? context.sample.dir(k) : kNone;
+  switch (driver.kind()) {
+    case DriverKind::kDirection: {
+      const auto k = static_cast<Eigen::Index>(driver.joint());
+      return k < context.sample.dir.size() ? context.sample.dir(k) : kNone;
+    }
+    case DriverKind::kGravity:
+      if (effect.place().kind == PlaceKind::kBase) return context.base_moment.norm();
+      return number < context.torque.size() ? context.torque(number) : kNone;
+    case DriverKind::kPixel:
+    case DriverKind::kNone:
+    case DriverKind::kVelocity:
+      return static_cast<double>(context.number);
+    default:
+      return driverValue(driver, context);
   }
-  if (driver == "gravity") {
-    if (effect.location() == "base") return context.base_moment.norm();
-    return number < context.torque.size() ? context.torque(number) : kNone;
-  }
-  if (driver == "pixel" || driver == "none" || driver == "dq") return static_cast<double>(context.number);
-  return driverValue(driver, context);
 }
 
 /// What one finding does to one sample, and what the models without and with it leave there.
@@ -66,7 +71,7 @@ std::vector<AppliedEffect> effectsOf(const Finding& finding, const Model& model)
   std::vector<AppliedEffect> effects;
   for (const AppliedEffect& one : model.effects) {
     const bool same = one.effect.name() == finding.effect && one.effect.location() == finding.location;
-    if (same && one.effect.driver() == finding.driver) effects.push_back(one);
+    if (same && one.effect.driver().name() == finding.driver) effects.push_back(one);
   }
   return effects;
 }

@@ -76,10 +76,10 @@ nlohmann::ordered_json ladderJson(const ReportSource& source) {
     each["excess"] = rounded(unit * stage.excess);
     json["stages"].push_back(each);
   }
-  json["noise"] = {{"known", diagnosis.noise_known},
+  json["noise"] = {{"known", diagnosis.noiseKnown()},
                    {"rms", rounded(unit * diagnosis.noise_rms)},
                    {"bounds", scaledPair(diagnosis.noise_bounds, unit)},
-                   {"source", diagnosis.noise_source}};
+                   {"source", noiseSourceName(diagnosis.noise_source)}};
   return json;
 }
 

@@ -73,7 +73,7 @@ TEST_P(PlanOf, TellsRivalsApartInAThirdOfThePosesThatRandomOnesNeed) {
     const test::PlannedCell known = test::plannedCell(GetParam(), seed, kBefore);
     for (const Case& each : cases) {
       PlanningCell cell = test::withEffect(known, each.right);
-      const std::string driver = cell.model.effects.front().effect.driver();
+      const std::string driver = cell.model.effects.front().effect.driver().name();
       cell.open = {{.explanations = {{each.right.effect, each.right.location, driver, 0.5}, each.wrong}}};
       PlanOptions options;
       options.aim = PlanAim::kSeparate;
