@@ -27,6 +27,9 @@ void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options) {
   robot->needs(poses);
   app.add_option("--base-link", source.poses.base_link, "Name of the base link, if the robot is a URDF")->needs(robot);
   app.add_option("--tip-link", source.poses.tip_link, "Name of the flange link, if the robot is a URDF")->needs(robot);
+  app.add_option("--registration", source.poses.registration,
+                 "Known transforms: registration.yaml with T_camera_base (instrument) or T_flange_target (tool)")
+      ->needs(poses);
   app.add_flag("--registered", options.registered, "The poses are T_base_flange: nothing needs to be registered")->needs(poses);
 }
 

@@ -67,8 +67,8 @@ Calibration calibrate(const Cell& nominal, const Measurements& measurements, con
   options.validate();
   if (measurements.observations.empty()) throw InsufficientData("nothing was measured: no pose to calibrate from");
   Cell cell = nominal;
-  cell.registration = Registration{};
-  cell.registration.setup = measurements.setup;
+  cell.registration = {
+      .setup = measurements.setup, .known_near = nominal.registration.known_near, .known_far = nominal.registration.known_far};
   Calibration calibration;
   if (!measurements.observations.front().pose) {
     calibration.registration = registerCell(cell, measurements.observations, {.robust = options.identify.robust});

@@ -6,6 +6,7 @@
 #include "poecal/calibration/board_folder.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/capture/image_names.hpp"
+#include "poecal/cell/known_registration.hpp"
 #include "poecal/core/content_key.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
@@ -110,6 +111,7 @@ LoadedCapture loadCapture(const CaptureSource& source, const std::filesystem::pa
   loaded.nominal.camera = cameraOf(capture, out, jobs, listener);
   if (capture.table.has_joints) loaded.nominal.arm = capture.arm;
   loaded.nominal.registration.setup = capture.setup;
+  if (!capture.registration_file.empty()) readKnownRegistration(capture.registration_file, loaded.nominal.registration);
   loaded.measurements = measurementsOf(capture, detectionsOf(capture, *loaded.nominal.camera, out, jobs, listener));
   if (loaded.measurements.observations.empty()) {
     throw InsufficientData(

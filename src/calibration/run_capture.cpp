@@ -5,6 +5,7 @@
 #include "calibration/identified_folder.hpp"
 #include "calibration/kept_result.hpp"
 #include "poecal/calibration/outputs.hpp"
+#include "poecal/cell/known_registration.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/registration/implausible.hpp"
 #include "poecal/robot/robot_file.hpp"
@@ -56,11 +57,14 @@ CalibrationRun runCapture(const CaptureSource& source, const std::filesystem::pa
 CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& out, const CalibrateOptions& options,
                         const ResultFiles& files, Listener& listener) {
   const std::vector<std::filesystem::path> results{out / "model.yaml", out / "identification.json", out / "diagnosis.json"};
-  requireOutputs(results, {source.robot, source.poses});
-  requireOutputs(reportFiles(out), {source.robot, source.poses});
+  std::vector<std::filesystem::path> inputs{source.robot, source.poses};
+  if (!source.registration.empty()) inputs.push_back(source.registration);
+  requireOutputs(results, inputs);
+  requireOutputs(reportFiles(out), inputs);
   const ResultRecord record(out, results, listener);
   Cell nominal;
   nominal.arm = readArm(source.robot, source.base_link, source.tip_link);
+  if (!source.registration.empty()) readKnownRegistration(source.registration, nominal.registration);
   CalibrationRun run;
   const PoseTable table = readPoses(source.poses, *nominal.arm);
   run.measurements = measurementsOf(table);

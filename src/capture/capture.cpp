@@ -38,7 +38,7 @@ Capture readCapture(const std::filesystem::path& folder) {
   const YamlNode root = YamlNode::load(folder / "capture.yaml");
   root.checkFormat("poecal-capture/1");
   root.checkKeys({"format", "name", "setup", "robot", "base_link", "tip_link", "camera", "intrinsics", "target", "samples", "detections",
-                  "reference", "gravity"});
+                  "reference", "gravity", "registration"});
   Capture capture;
   capture.folder = folder;
   capture.files.push_back(root.file());
@@ -58,6 +58,7 @@ Capture readCapture(const std::filesystem::path& folder) {
     checkReference(*reference, capture.target, *capture.reference);
   }
   if (const auto detections = root.find("detections")) capture.detections_file = namedFile(*detections);
+  if (const auto registration = root.find("registration")) capture.registration_file = fileOf(*registration, capture);
   if (const auto gravity = root.find("gravity")) capture.gravity = gravity->vector3();
   capture.table =
       readSamples(fileOf(root["samples"], capture), capture.arm ? capture.arm->jointCount() : 0, capture.arm ? &*capture.arm : nullptr);

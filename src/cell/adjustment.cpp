@@ -54,7 +54,7 @@ class Adjuster {
         layout_(nominal, options.free),
         start_(nominal),
         state_(nominal, options.free),
-        sigma_alone_(priorSigma(layout_, options)) {
+        sigma_alone_(priorSigma(layout_, options, nominal)) {
     setTolerance(options.tolerance > 0.0 ? options.tolerance : 1.0);
     weights_.reserve(observations.size());
     int numbers = 0;

@@ -63,9 +63,12 @@ CellState CellState::moved(const ParameterLayout& layout, const Eigen::VectorXd&
   return next;
 }
 
-Eigen::VectorXd priorSigma(const ParameterLayout& layout, const AdjustmentOptions& options) {
+Eigen::VectorXd priorSigma(const ParameterLayout& layout, const AdjustmentOptions& options, const Cell& start) {
   Eigen::VectorXd sigma = Eigen::VectorXd::Constant(layout.total, std::numeric_limits<double>::infinity());
   if (layout.far >= 0 && options.far_position > 0.0) sigma.segment<3>(layout.far + 3).setConstant(options.far_position);
+  const Registration& registration = start.registration;
+  if (layout.near >= 0 && registration.known_near) sigma.segment<6>(layout.near) = registration.known_near->sigma;
+  if (layout.far >= 0 && registration.known_far) sigma.segment<6>(layout.far) = registration.known_far->sigma;
   if (layout.intrinsics >= 0) {
     for (int k = 0; k < options.camera_prior_sigma.size(); ++k) {
       if (options.camera_prior_sigma(k) > 0.0) sigma(layout.intrinsics + k) = options.camera_prior_sigma(k);
@@ -77,7 +80,16 @@ Eigen::VectorXd priorSigma(const ParameterLayout& layout, const AdjustmentOption
 Eigen::VectorXd priorDeviation(const CellState& state, const ParameterLayout& layout, const Cell& start) {
   Eigen::VectorXd deviation = Eigen::VectorXd::Zero(layout.total);
   deviation.head(layout.twists) = state.beta.head(layout.twists);
-  if (layout.far >= 0) deviation.segment<3>(layout.far + 3) = farMotion(state.cell, start);
+  const Registration& now = state.cell.registration;
+  const Registration& before = start.registration;
+  if (layout.near >= 0 && before.known_near) deviation.segment<6>(layout.near) = logSe3(now.T_camera_near * before.known_near->T.inverse());
+  if (layout.far >= 0) {
+    if (before.known_far) {
+      deviation.segment<6>(layout.far) = logSe3(now.T_far_target * before.known_far->T.inverse());
+    } else {
+      deviation.segment<3>(layout.far + 3) = farMotion(state.cell, start);
+    }
+  }
   if (layout.intrinsics >= 0) {
     const Eigen::VectorXd stated = start.camera->parameters();
     deviation.tail(stated.size()) = state.cell.camera->parameters() - stated;

@@ -34,9 +34,10 @@ struct CellState {
 };
 
 /// 1 sigma of the independent priors of the free parameters, which the twists have none of; infinity where there is none.
-Eigen::VectorXd priorSigma(const ParameterLayout& layout, const AdjustmentOptions& options);
-/// x - x0 of the parameters that priors may be about (twists, place of the far transform, intrinsics) from where the cell started; 0 for
-/// the others.
+/// @param start  the cell whose registration says what is known of the transforms.
+Eigen::VectorXd priorSigma(const ParameterLayout& layout, const AdjustmentOptions& options, const Cell& start);
+/// x - x0 of the parameters that priors may be about (twists, transforms, intrinsics): from what is known, or from where the cell started;
+/// 0 for the others.
 Eigen::VectorXd priorDeviation(const CellState& state, const ParameterLayout& layout, const Cell& start);
 
 /// Residuals r (m), d(model)/d(T_camera_target) = H (m x 6, left perturbation in camera) and d(model)/d(intrinsics) = K (m x k), all in

@@ -28,7 +28,7 @@ ColumnPrior basePrior(const MeasuredCell& measured, const ModelState& state, dou
   AdjustmentOptions options;
   options.far_position = kFarPosition;
   options.camera_prior_sigma = measured.camera_sigma;
-  const Eigen::ArrayXd sigma = priorSigma(layout, options).array();
+  const Eigen::ArrayXd sigma = priorSigma(layout, options, measured.start).array();
   ColumnPrior prior{priorDeviation(state.cell, layout, measured.start), sigma.square().inverse().matrix().asDiagonal(), 0.0};
   prior.log_determinant = -2.0 * sigma.isFinite().select(sigma, 1.0).log().sum();
   const Eigen::Index twists = measured.twists.precision.rows();

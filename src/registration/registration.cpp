@@ -12,6 +12,7 @@
 #include "poecal/registration/implausible.hpp"
 #include "poecal/registration/target_pose.hpp"
 #include "registration/consensus.hpp"
+#include "registration/known_transforms.hpp"
 #include "registration/lens_and_size.hpp"
 #include "registration/plausibility.hpp"
 
@@ -225,7 +226,8 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
     throw InsufficientData(
         fmt::format("the target's pose is seen in {} picture{} of different poses, at least 3 are needed", usable, usable == 1 ? "" : "s"));
   }
-  requireTurning(cell, observations);
+  const bool both_known = knowsBoth(cell.registration);
+  if (!both_known) requireTurning(cell, observations);
   if (mirroredShare(observations) > 0.5) {
     throw ImplausibleCapture(
         "the corners of most tags run clockwise in the picture, as of a flipped (mirrored) tag: expected the order bottom-left, "
@@ -235,8 +237,11 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   }
 
   RegistrationResult result;
-  const Consensus found = requireConsensus(cell, observations, hypotheses, {.hypotheses = options.hypotheses, .robust = options.robust});
+  Consensus found = both_known
+                        ? consensusAsKnown(cell, observations, hypotheses, options.robust)
+                        : requireConsensus(cell, observations, hypotheses, {.hypotheses = options.hypotheses, .robust = options.robust});
   requirePlausible(cell, observations, hypotheses, found);
+  const std::vector<std::string> contradictions = weighInKnown(cell, observations, hypotheses, options.robust, found);
   result.adjustment = found.fit;
   result.closed_form = found.closed_form;
   result.cell = result.adjustment.cell;
@@ -254,7 +259,8 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
     for (std::size_t k = 0; k < observations.size(); ++k) out[k] = keptShare(result.adjustment.weights[k]) < 0.5;
   }
   if (!cell.arm) result.warnings = checkLensAndSize(result.cell, observations, hypotheses);
-  findOpenAxis(observations, result);
+  result.warnings.insert(result.warnings.end(), contradictions.begin(), contradictions.end());
+  if (!both_known) findOpenAxis(observations, result);
   for (const std::string& direction : result.adjustment.unseen) {
     result.warnings.push_back("the registration does not determine " + direction +
                               " (the arm's motions leave it open); it is held where it started");
@@ -268,10 +274,13 @@ Adjustment registerPoses(const Cell& cell, const std::vector<Observation>& obser
   if (observations.size() < 3) throw InsufficientData(fmt::format("{} poses, at least 3 are needed to register", observations.size()));
   // Positions alone tell of the frames by the ways between them, also where the tool keeps its orientation; where it then sits on the
   // flange stays open.
-  if (!observations.front().pose->position_only) requireTurning(cell, observations);
+  const bool both_known = knowsBoth(cell.registration);
+  if (!observations.front().pose->position_only && !both_known) requireTurning(cell, observations);
   const std::vector<HypothesisSample> samples = hypothesisSamples(cell, observations);
-  Consensus found = requireConsensus(cell, observations, samples, {.robust = robust});
+  Consensus found = both_known ? consensusAsKnown(cell, observations, samples, robust)
+                               : requireConsensus(cell, observations, samples, {.robust = robust});
   requirePlausible(cell, observations, samples, found);
+  weighInKnown(cell, observations, samples, robust, found);
   return std::move(found.fit);
 }
 

@@ -12,6 +12,7 @@
 #include "docs/page.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/capture/detections.hpp"
+#include "poecal/cell/known_registration.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/identification/model.hpp"
 #include "poecal/robot/arm.hpp"
@@ -120,6 +121,14 @@ TEST_F(Formats, TheTargetsAreRead) {
     if (example.section == "target.yaml") types.insert(readTarget(onPage(example.name)).type);
   }
   EXPECT_THAT(types, SizeIs(5));
+}
+
+TEST_F(Formats, WhatIsKnownOfTheTransformsIsRead) {
+  Registration known, found;
+  readKnownRegistration(onPage("known.yaml"), known);
+  EXPECT_TRUE(known.known_near && known.known_far);
+  readKnownRegistration(onPage("registration.yaml"), found);
+  EXPECT_TRUE(found.known_near && found.known_far);
 }
 
 TEST_F(Formats, TheScenesAreRead) {

@@ -48,7 +48,7 @@ struct Calibration {
 /// Calibrates a cell.
 ///
 /// @param nominal  the arm as drawn, none where only the controller's flange poses are known; the camera as stated, none where an
-///   instrument measured poses. Its registration is not used.
+///   instrument measured poses. Of its registration what is known of the transforms is used, no more.
 /// @throws InsufficientData: too few poses for the unknowns, a joint that never moved, poses that do not turn the target. A capture that
 ///   is too small for a diagnosis alone is no error: `no_diagnosis` says so.
 /// @throws ImplausibleInput: measurements that contradict each other, with what is suspected.

@@ -28,6 +28,7 @@ CalibrationRun runCapture(const CaptureSource& source, const std::filesystem::pa
 struct PosesSource {
   std::filesystem::path robot, poses;
   std::string base_link = {}, tip_link = {};  ///< where the robot is a URDF
+  std::filesystem::path registration = {};    ///< known transforms, see readKnownRegistration(); empty: none
 };
 /// The same from poses of an instrument: its frame takes the camera's place, its tool the target's.
 CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& out, const CalibrateOptions& options,

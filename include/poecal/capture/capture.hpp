@@ -53,6 +53,7 @@ struct Capture {
   Target target;
   std::optional<Target> reference;
   std::filesystem::path detections_file;  ///< empty where none is named
+  std::filesystem::path registration_file;  ///< known transforms; empty where none are named
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
   SampleTable table;
 };

@@ -21,11 +21,24 @@
 
 namespace poecal {
 
+/// What is known of a constant transform before anything is measured.
+struct KnownTransform {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  /// 1 sigma of a left perturbation (rotation; translation) in the first-named frame [rad; m]; infinity where nothing is known.
+  Eigen::Matrix<double, 6, 1> sigma = Eigen::Matrix<double, 6, 1>::Constant(kFixed);
+
+  /// Sigma of a transform that is fixed: far below what any arm or camera shows.
+  static constexpr double kFixed = 1e-7;
+};
+
 /// The two constant transforms around the arm.
 struct Registration {
   Setup setup = Setup::kEyeToHand;
   Eigen::Isometry3d T_camera_near = Eigen::Isometry3d::Identity();  ///< T_camera_base, or T_camera_flange in hand
   Eigen::Isometry3d T_far_target = Eigen::Isometry3d::Identity();   ///< T_flange_target, or T_base_target in hand
+
+  /// Priors of both, which every fit that moves them takes in.
+  std::optional<KnownTransform> known_near = {}, known_far = {};
 
   const char* nearFrame() const;  ///< "base" or "flange"
   const char* farFrame() const;   ///< "flange" or "base"

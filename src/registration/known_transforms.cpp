@@ -1,0 +1,66 @@
+#include "registration/known_transforms.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "poecal/geometry/se3.hpp"
+
+namespace poecal {
+namespace {
+
+Consensus fitted(const Cell& start, const Registration& closed_form, const std::vector<Observation>& observations,
+                 const std::vector<HypothesisSample>& samples, bool robust) {
+  Consensus found;
+  found.fit = adjust(start, observations, registrationAdjustment(robust));
+  found.closed_form = closed_form;
+  found.misfit = medianMisfit(found.fit.cell.registration, samples, misfitIn(found.fit.cell, observations));
+  return found;
+}
+
+/// What the poses say against a transform that is known; empty where nothing.
+std::string contradiction(const std::string& name, const Eigen::Isometry3d& seen, const std::optional<KnownTransform>& known) {
+  // What the axes of a loose arm that is still nominal may turn and shift a registration by.
+  constexpr double kAngle = 0.05, kDistance = 0.05, kSigmas = 5.0;  // [rad], [m]
+  if (!known) return "";
+  const Vector6d off = logSe3(seen * known->T.inverse());
+  const bool beyond = (off.cwiseAbs().array() > kSigmas * known->sigma.array()).any();
+  const double angle = off.head<3>().norm(), distance = (seen.translation() - known->T.translation()).norm();
+  if (!beyond || (angle < kAngle && distance < kDistance)) return "";
+  return fmt::format("{} is stated {:.0f} mm and {:.0f} mrad from where the poses put it: is it of this cell, and the right way round?",
+                     name, 1e3 * distance, 1e3 * angle);
+}
+
+}  // namespace
+
+bool knowsBoth(const Registration& registration) {
+  return registration.known_near && registration.known_far && registration.known_near->sigma.allFinite() &&
+         registration.known_far->sigma.allFinite();
+}
+
+Consensus consensusAsKnown(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
+                           bool robust) {
+  Cell start = cell;
+  start.registration.T_camera_near = cell.registration.known_near->T;
+  start.registration.T_far_target = cell.registration.known_far->T;
+  return fitted(start, start.registration, observations, samples, robust);
+}
+
+std::vector<std::string> weighInKnown(const Cell& known, const std::vector<Observation>& observations,
+                                      const std::vector<HypothesisSample>& samples, bool robust, Consensus& found) {
+  const Registration& stated = known.registration;
+  if (!stated.known_near && !stated.known_far) return {};
+  const Registration seen = found.fit.cell.registration;
+  std::vector<std::string> contradictions;
+  for (const std::string& said : {contradiction(fmt::format("T_camera_{}", stated.nearFrame()), seen.T_camera_near, stated.known_near),
+                                  contradiction(fmt::format("T_{}_target", stated.farFrame()), seen.T_far_target, stated.known_far)}) {
+    if (!said.empty()) contradictions.push_back(said);
+  }
+  Cell start = found.fit.cell;
+  start.registration.known_near = stated.known_near;
+  start.registration.known_far = stated.known_far;
+  found = fitted(start, found.closed_form, observations, samples, robust);
+  return contradictions;
+}
+
+}  // namespace poecal

@@ -1,0 +1,23 @@
+// Transforms that are known before anything is measured, weighed in with what the poses show.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "registration/consensus.hpp"
+
+namespace poecal {
+
+/// Whether nothing has to be searched: all of both transforms is known.
+bool knowsBoth(const Registration& registration);
+
+/// A registration that begins where both transforms are known to be, whatever the poses show.
+Consensus consensusAsKnown(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
+                           bool robust);
+
+/// Fits once more with what is known of the transforms. @param known  the cell whose registration says so.
+/// @return what the poses contradict, one sentence each: a transform that they put clearly elsewhere than it is said to be.
+std::vector<std::string> weighInKnown(const Cell& known, const std::vector<Observation>& observations,
+                                      const std::vector<HypothesisSample>& samples, bool robust, Consensus& found);
+
+}  // namespace poecal
