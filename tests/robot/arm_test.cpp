@@ -270,5 +270,22 @@ TEST(Arm, RefusesSizesThatDoNotFitAndAxesWithoutDirection) {
   EXPECT_THROW(Joint::prismatic("nan", {std::numeric_limits<double>::quiet_NaN(), 0, 0}), InvalidArgument);
 }
 
+// The inverse of a displacement, of every kind of joint and far beyond what arms are off by.
+TEST(TwistDisplacement, GivesBackWhatAnAxisWasMovedBy) {
+  Rng rng = test::rngOfThisTest();
+  for (int trial = 0; trial < 20; ++trial) {
+    const Arm nominal = test::randomArm(rng, "RPRRPR");
+    const Eigen::VectorXd beta = test::uniformVector(rng, twistParameterCount(nominal), 0.2);
+    EXPECT_THAT(twistDisplacement(nominal, displaceTwists(nominal, beta)), test::IsNear(beta, 1e-12)) << "trial " << trial;
+  }
+}
+
+TEST(TwistDisplacement, OfAnotherArmIsAnError) {
+  Rng rng = test::rngOfThisTest();
+  const Arm arm = test::randomArm(rng, "RPR");
+  EXPECT_THROW(twistDisplacement(arm, test::randomArm(rng, "RP")), InvalidArgument);
+  EXPECT_THROW(twistDisplacement(arm, test::randomArm(rng, "RRR")), InvalidArgument);
+}
+
 }  // namespace
 }  // namespace poecal
