@@ -25,6 +25,7 @@ function parameterRows(finding) {
     const unit = finding.units[name] || '';
     const shown = personal(value, unit);
     const deviation = finding.standard_deviation[name];
+    if (unit === 's' && firstStamp && value >= firstStamp) return [name, figure(value - firstStamp, 4), '–', 's after the first sample'];
     return [name, Number.isInteger(value) ? String(value) : figure(value * shown.factor, 4), deviation === undefined || deviation === null ? '–' : '± ' + figure(deviation * shown.factor, 2), shown.unit];
   });
 }
