@@ -116,7 +116,7 @@ Json curveJson(const ReportSource& source, const Finding& finding) {
   const char* unit = at_joint ? (angle ? "mrad" : "mm") : (source.calibration.diagnosis->pixels ? "px" : "mm");
   return {{"quantity", at_joint ? "error of " + finding.location : "motion by the finding"},
           {"unit", unit},
-          {"x", roundedList(x)},
+          {"x", roundedList(x, 13)},
           {"before", roundedList(before, 4)},
           {"after", roundedList(after, 4)},
           {"curve", roundedList(curve, 4)}};

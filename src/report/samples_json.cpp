@@ -11,16 +11,15 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kPixelDigits = 6;
 constexpr int kResidualDigits = 4;
-
-/// Of an angle mrad, of a length mm.
-double jointUnit(const Arm&) { return 1e3; }
+constexpr int kStampDigits = 13;  // of seconds since 1970 a millisecond
+constexpr double kJointUnit = 1e3;  // mrad of an angle, mm of a shift
 
 Json readings(const ReportSource& source, std::size_t number, const Sample& sample) {
   Json json{{"q", roundedList(sample.q)}};
   const SampleContext& context = source.contexts[number];
   if (context.torque.size() > 0 && context.torque.allFinite()) json["torque"] = roundedList(context.torque);
   if (sample.dir.size() > 0) json["dir"] = roundedList(sample.dir);
-  if (sample.stamp) json["stamp"] = rounded(*sample.stamp, 10);
+  if (sample.stamp) json["stamp"] = rounded(*sample.stamp, kStampDigits);
   if (sample.temperature) json["temperature"] = rounded(*sample.temperature);
   if (!sample.other.empty())
     json["other"] = roundedList(Eigen::Map<const Eigen::VectorXd>(sample.other.data(), static_cast<Eigen::Index>(sample.other.size())));
@@ -55,9 +54,8 @@ Json sampleJson(const ReportSource& source, std::size_t number) {
   json["sizes"] = sizes;
   const StageModel& model = source.models.stages[source.models.after];
   const MeasuredMotion motion(model.cell, sample, observation, source.measurements.target);
-  const double joint_unit = jointUnit(*model.cell.arm);
-  json["joint_errors"] = {{"before", roundedList(joint_unit * motion.jointErrors(source.before[k]), kResidualDigits)},
-                          {"after", roundedList(joint_unit * motion.jointErrors(source.after[k]), kResidualDigits)}};
+  json["joint_errors"] = {{"before", roundedList(kJointUnit * motion.jointErrors(source.before[k]), kResidualDigits)},
+                          {"after", roundedList(kJointUnit * motion.jointErrors(source.after[k]), kResidualDigits)}};
   return json;
 }
 

@@ -1,4 +1,5 @@
 // How well the tool's place is known over the workspace, and how far each axis was moved.
+#include <algorithm>
 #include <cmath>
 
 #include "report/numbers.hpp"

@@ -7,6 +7,11 @@ const diagnosis = report.diagnosis;
 const identification = report.identification;
 const samples = report.samples;
 const lengthUnit = report.pixels ? 'px' : 'mm';
+/** Seconds since 1970 are told from the first sample on. */
+const firstStamp = (() => {
+  const first = samples.reduce((least, sample) => sample.stamp < least ? sample.stamp : least, Infinity);
+  return isFinite(first) && first > 1e6 ? first : 0;
+})();
 
 /** The unit that a person wants for a quantity of this size, and the factor to it. */
 function personal(value, unit) {

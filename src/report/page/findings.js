@@ -5,7 +5,7 @@ const driverTitle = (driver) => {
   if (/^q\d+$/.test(driver)) return 'joint ' + driver.slice(1) + ' [' + (jointType(Number(driver.slice(1)) - 1) === 'prismatic' ? 'mm' : '°') + ']';
   if (/^tau\d+$/.test(driver)) return 'gravity torque about joint ' + driver.slice(3) + ' [N m]';
   if (/^dir\d+$/.test(driver)) return 'side from which joint ' + driver.slice(3) + ' came';
-  if (driver === 'stamp') return diagnosis && diagnosis.row_order && diagnosis.row_order.stands_in_for_stamp ? 'number of the row' : 'time [s]';
+  if (driver === 'stamp') return diagnosis && diagnosis.row_order && diagnosis.row_order.stands_in_for_stamp ? 'number of the row' : firstStamp ? 'time since the first sample [s]' : 'time [s]';
   if (driver === 'temperature') return 'temperature [°C]';
   if (driver === 'gravity') return 'load of gravity [N m]';
   if (driver === 'pixel' || driver === 'none' || driver === 'dq') return 'number of the sample';
@@ -25,6 +25,7 @@ function parameterRows(finding) {
     const unit = finding.units[name] || '';
     const shown = personal(value, unit);
     const deviation = finding.standard_deviation[name];
+    if (unit === 's' && firstStamp && value >= firstStamp) return [name, figure(value - firstStamp, 4), '–', 's after the first sample'];
     return [name, Number.isInteger(value) ? String(value) : figure(value * shown.factor, 4), deviation === undefined || deviation === null ? '–' : '± ' + figure(deviation * shown.factor, 2), shown.unit];
   });
 }
@@ -68,7 +69,7 @@ function showFinding(node, finding, curve, k) {
   node.append(pair);
   const points = curve.points;
   if (points) {
-    const visible = points.x.map((x, row) => ({row, x: x === null ? null : x * driverFactor(finding.driver), before: points.before[row], after: points.after[row], curve: points.curve[row]})).filter((p) => p.x !== null);
+    const visible = points.x.map((x, row) => ({row, x: x === null ? null : x * driverFactor(finding.driver) - (finding.driver === 'stamp' ? firstStamp : 0), before: points.before[row], after: points.after[row], curve: points.curve[row]})).filter((p) => p.x !== null);
     if (visible.length > 0) {
       chart(pair, {
         id: 'curve-' + k, width: 560, height: 330, words: `${points.quantity} against ${driverTitle(finding.driver)}: without the finding in the model, with it, and the curve of the finding.`,

@@ -82,7 +82,7 @@ function drivers() {
   report.arm.joints.forEach((joint, k) => list.push({name: 'q' + (k + 1), title: driverTitle('q' + (k + 1)), of: (s) => s.q[k] * (joint.type === 'prismatic' ? 1e3 : degrees)}));
   report.arm.joints.forEach((_, k) => list.push({name: 'tau' + (k + 1), title: driverTitle('tau' + (k + 1)), of: (s) => s.torque ? s.torque[k] : null}));
   report.arm.joints.forEach((_, k) => list.push({name: 'dir' + (k + 1), title: driverTitle('dir' + (k + 1)), sided: true, of: (s) => s.dir ? s.dir[k] : null}));
-  list.push({name: 'stamp', title: driverTitle('stamp'), of: (s) => s.stamp === undefined ? null : s.stamp});
+  list.push({name: 'stamp', title: driverTitle('stamp'), of: (s) => s.stamp === undefined ? null : s.stamp - firstStamp});
   list.push({name: 'temperature', title: driverTitle('temperature'), of: (s) => s.temperature === undefined ? null : s.temperature});
   report.other_columns.forEach((name, k) => list.push({name, title: name, of: (s) => s.other ? s.other[k] : null}));
   return list.filter((driver) => {
