@@ -76,13 +76,15 @@ std::vector<Sample> candidatesOf(const Pool& pool, const PlanOptions& options, P
 /// An aim with no pose of the plan in it, and these as candidates.
 using AimOf = std::function<std::unique_ptr<Aim>(const std::vector<Sample>&)>;
 
-/// How many random visible poses, in the order in which they were drawn, cost as little as `cost`.
-std::optional<int> randomPosesFor(const Pool& pool, const AimOf& aim_of, int most, double cost) {
+/// Tells how many random visible poses, in the order in which they were drawn, cost as little as `cost`.
+void tellRandomPoses(const Pool& pool, const AimOf& aim_of, int most, double cost, Plan& plan) {
   std::vector<Sample> samples;
   std::vector<std::pair<std::size_t, std::size_t>> sequences;
   for (std::size_t number = 0; number < kSequences; ++number) {
     const std::vector<Sample> random = pool.visible(PoolPurpose::kRandom, number, most);
     sequences.emplace_back(samples.size(), samples.size() + random.size());
+    const int found = static_cast<int>(random.size());
+    plan.random_tried = number == 0 ? found : std::min(plan.random_tried, found);  // fewer where hardly any posture shows the target
     samples.insert(samples.end(), random.begin(), random.end());
   }
   const std::unique_ptr<Aim> before = aim_of(samples);
@@ -94,7 +96,7 @@ std::optional<int> randomPosesFor(const Pool& pool, const AimOf& aim_of, int mos
     counts.push_back(aim->cost() > cost ? std::numeric_limits<double>::infinity() : static_cast<double>(next - begin));
   }
   const double middle = median(counts);
-  return std::isfinite(middle) ? std::optional(static_cast<int>(middle)) : std::nullopt;
+  if (std::isfinite(middle)) plan.random_poses = static_cast<int>(middle);
 }
 
 /// A cost at which a plan has what it is for.
@@ -128,8 +130,7 @@ std::vector<Sample> choose(const Pool& pool, const AimOf& aim_of, const std::vec
     aim = aim_of(poses);
     poses = chosenOf(poses, choosePoses(*aim, poses.size(), first, first.size(), options.jobs, enough));
   }
-  plan.random_tried = kMostRandom * options.count;
-  plan.random_poses = randomPosesFor(pool, aim_of, plan.random_tried, aim->cost());
+  tellRandomPoses(pool, aim_of, kMostRandom * options.count, aim->cost(), plan);
   return poses;
 }
 

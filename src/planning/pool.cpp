@@ -11,10 +11,15 @@ namespace {
 
 constexpr long kDrawsPerPose = 400;  ///< in all: one posture in 400 that shows the target is enough
 constexpr int kRoughPlaces = 20;
-constexpr double kRoughShare = 0.9;  ///< of these in which the target must be in view
+constexpr int kMostUnseen = 2;  ///< of these in which the target may be out of view
 
 std::uint64_t streamOf(PoolPurpose purpose, std::size_t number) {
   return (static_cast<std::uint64_t>(purpose) << 32) | static_cast<std::uint64_t>(number);
+}
+
+bool inPicture(const Camera& camera, const Eigen::Vector3d& p_camera) {
+  const auto px = project(camera, p_camera);
+  return px && px->x() > -0.5 && px->y() > -0.5 && px->x() < camera.width - 0.5 && px->y() < camera.height - 0.5;
 }
 
 Vector6d roughMotion(const PlanningCell& cell, Rng& rng) {
@@ -30,6 +35,7 @@ Pool::Pool(const PlanningCell& cell, const PlanOptions& options)
       options_(options),
       ranges_(readingRanges(*cell.model.cell.arm, cell.robot_file)),
       clearance_(cell.model.cell, cell.taken.gravity, options) {
+  for (const TargetPoint& point : cell.target.points) centre_target_ += point.p_target / static_cast<double>(cell.target.points.size());
   if (!(cell.rough_position > 0.0 || cell.rough_rotation > 0.0)) return;
   Rng rng(options.seed, streamOf(PoolPurpose::kRough, 0));
   for (int k = 0; k < kRoughPlaces; ++k) {
@@ -43,13 +49,16 @@ bool Pool::isVisible(const Sample& sample) const {
   // The model's effects move the target by far less than the margins of what is well in view.
   const Camera& camera = *cell_.model.cell.camera;
   const Eigen::Isometry3d T_base_flange = forwardKinematics(*cell_.model.cell.arm, sample.q);
-  if (!wellInView(camera, cell_.target, cell_.model.cell.registration.cameraTarget(T_base_flange))) return false;
+  const Eigen::Isometry3d T_camera_target = cell_.model.cell.registration.cameraTarget(T_base_flange);
+  // Most postures show nothing: where the middle of the target has no pixel in the picture, all of it is not looked for.
+  if (!inPicture(camera, T_camera_target * centre_target_) || !wellInView(camera, cell_.target, T_camera_target)) return false;
   if (!clearance_.isFree(sample.q)) return false;
   if (rough_.empty()) return true;
-  const auto seen = std::count_if(rough_.begin(), rough_.end(), [&](const Registration& place) {
-    return wellInView(camera, cell_.target, place.cameraTarget(T_base_flange));
-  });
-  return static_cast<double>(seen) >= kRoughShare * static_cast<double>(rough_.size());
+  int unseen = 0;
+  for (const Registration& place : rough_) {
+    if (!wellInView(camera, cell_.target, place.cameraTarget(T_base_flange)) && ++unseen > kMostUnseen) return false;
+  }
+  return true;
 }
 
 std::vector<Sample> Pool::visible(PoolPurpose purpose, std::size_t number, int count, long* drawn) const {

@@ -33,6 +33,7 @@ class Pool {
   const PlanOptions& options_;
   std::vector<JointLimits> ranges_;
   Clearance clearance_;
+  Eigen::Vector3d centre_target_ = Eigen::Vector3d::Zero();
   std::vector<Registration> rough_;  ///< where camera and target may be instead; empty where they are known
 };
 
