@@ -45,16 +45,6 @@ std::string registrationYaml(const Calibration& calibration, const Measurements&
   return text;
 }
 
-Registration readRegistration(const std::filesystem::path& file) {
-  const YamlNode root = YamlNode::load(file);
-  root.checkFormat("poecal-registration/1");
-  Registration registration;
-  if (root.has("T_camera_flange")) registration.setup = Setup::kEyeInHand;
-  registration.T_camera_near = readPose(root[fmt::format("T_camera_{}", registration.nearFrame()).c_str()]);
-  registration.T_far_target = readPose(root[fmt::format("T_{}_target", registration.farFrame()).c_str()]);
-  return registration;
-}
-
 std::string flangePosesCsv(const Calibration& calibration, const Measurements& measurements) {
   const RegistrationResult& result = registrationOf(calibration);
   const std::vector<OutputColumn> readings = readingColumns(measurements.samples);

@@ -38,11 +38,16 @@ bool isFixed(const YamlNode& transform) {
   return fixed->text() == "true";
 }
 
+/// Its pose, beside which there may be words of how well it is known.
+Eigen::Isometry3d poseOf(const YamlNode& node) {
+  node.checkKeys({"position", "quaternion_xyzw", "fixed", "standard_deviation"});
+  return poseFromQuaternion(node["position"].vector3(), readUnitQuaternion(node["quaternion_xyzw"]));
+}
+
 /// @param of_file  the file's own deviation of the transform.
 KnownTransform knownTransform(const YamlNode& node, const std::optional<YamlNode>& of_file) {
-  node.checkKeys({"position", "quaternion_xyzw", "fixed", "standard_deviation"});
   KnownTransform known;
-  known.T = poseFromQuaternion(node["position"].vector3(), readUnitQuaternion(node["quaternion_xyzw"]));
+  known.T = poseOf(node);
   const std::optional<YamlNode> own = node.find("standard_deviation");
   const bool fixed = isFixed(node);
   if (fixed && own) own->fail("is stated of a transform that is fixed, expected one of the two");
@@ -52,12 +57,25 @@ KnownTransform knownTransform(const YamlNode& node, const std::optional<YamlNode
   return known;
 }
 
+std::string nearKey(const Registration& registration) { return fmt::format("T_camera_{}", registration.nearFrame()); }
+std::string farKey(const Registration& registration) { return fmt::format("T_{}_target", registration.farFrame()); }
+
 }  // namespace
+
+Registration readRegistration(const std::filesystem::path& file) {
+  const YamlNode root = YamlNode::load(file);
+  root.checkFormat("poecal-registration/1");
+  Registration registration;
+  if (root.has("T_camera_flange")) registration.setup = Setup::kEyeInHand;
+  registration.T_camera_near = poseOf(root[nearKey(registration).c_str()]);
+  registration.T_far_target = poseOf(root[farKey(registration).c_str()]);
+  return registration;
+}
 
 void readKnownRegistration(const std::filesystem::path& file, Registration& registration) {
   const YamlNode root = YamlNode::load(file);
   root.checkFormat("poecal-registration/1");
-  const std::string near = fmt::format("T_camera_{}", registration.nearFrame()), far = fmt::format("T_{}_target", registration.farFrame());
+  const std::string near = nearKey(registration), far = farKey(registration);
   if (const auto setup = root.find("setup"); setup && setup->text() != setupName(registration.setup)) {
     setup->fail(fmt::format("is {}, but the capture's is {}", setup->text(), setupName(registration.setup)));
   }

@@ -8,6 +8,7 @@
 #include "core/yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "poecal/calibration/results.hpp"
+#include "poecal/cell/known_registration.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/robot/robot_file.hpp"

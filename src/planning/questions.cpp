@@ -114,8 +114,9 @@ Explanations explanationsOf(const PlanningCell& cell, const Rivals& rivals, std:
     if (found && &rival == &rivals.explanations.front()) {
       instances.push_back(modelCandidate(*found));
     } else {
-      std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(instances),
-                   [&rival](const Candidate& candidate) { return isOf(rival, candidate.name, candidate.place.name(), candidate.driver.name()); });
+      std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(instances), [&rival](const Candidate& candidate) {
+        return isOf(rival, candidate.name, candidate.place.name(), candidate.driver.name());
+      });
     }
     const std::optional<FurtherColumns> best = bestInstance(cell, all.effects, instances);
     if (best) {

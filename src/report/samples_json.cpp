@@ -11,7 +11,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kPixelDigits = 6;
 constexpr int kResidualDigits = 4;
-constexpr int kStampDigits = 13;  // of seconds since 1970 a millisecond
+constexpr int kStampDigits = 13;    // of seconds since 1970 a millisecond
 constexpr double kJointUnit = 1e3;  // mrad of an angle, mm of a shift
 
 Json readings(const ReportSource& source, std::size_t number, const Sample& sample) {

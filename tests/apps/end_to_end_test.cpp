@@ -60,6 +60,24 @@ TEST_F(EndToEnd, FromPicturesOfBoardAndTagToACalibratedUrdf) {
   EXPECT_TRUE(forwardKinematics(calibrated, q).isApprox(forwardKinematics(identified, q), kSameArm));
 }
 
+// The scenes of calib_data with an effect: the diagnosis names what the scene says, and nothing else.
+class SceneWithAnEffect : public EndToEnd, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(SceneWithAnEffect, IsDiagnosed) {
+  const fs::path scene = fs::path(POECAL_SOURCE_DIR) / "calib_data/cobot6" / (std::string("scene-") + GetParam() + ".yaml");
+  runWell("simulate " + scene.string() + " --out capture");
+  runWell("diagnose capture --out out");
+  const auto diagnosis = nlohmann::json::parse(readTextFile(path("out/diagnosis.json")));
+  ASSERT_EQ(diagnosis["findings"].size(), 1u);
+  const std::string truth = readTextFile(path("capture-truth/truth.yaml"));
+  for (const char* word : {"effect", "location", "driver"}) {
+    EXPECT_THAT(truth, HasSubstr(std::string(word) + ": " + diagnosis["findings"][0][word].get<std::string>()));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SceneWithAnEffect, ::testing::Values("lens", "mount"),
+                         [](const auto& instance) { return std::string(instance.param); });
+
 TEST_F(EndToEnd, StepsBeforeTheCalibrationGiveJsonToo) {
   test::writeSmallScene(folder_.path(), test::SmallCell::kPictures, "intrinsics: {target: board.yaml, count: 4}\n", 3);
   const std::string paper = "paper '" + std::string(POECAL_SOURCE_DIR) + "/calib_data/puma560' --seeds 1";

@@ -13,10 +13,6 @@ namespace poecal {
 /// Text of registration.yaml (format poecal-registration/1). @throws InvalidArgument where nothing was registered.
 std::string registrationYaml(const Calibration& calibration, const Measurements& measurements);
 
-/// The two transforms of a registration.yaml, whether `measure` or a person wrote it: further keys are passed over.
-/// @throws FileError: a pose that is missing.
-Registration readRegistration(const std::filesystem::path& file);
-
 /// Text of flange_poses.csv: the flange poses that the camera measured, with every column of samples.csv that is not the controller's own
 /// pose. `identify --poses FILE --registered` and `diagnose` read it: the pose, its deviations and, behind them, its covariance `covIJ` of
 /// (log of the left rotation error in base; position) [rad; m].

@@ -1,4 +1,4 @@
-// What is known of a cell's registration, from a file.
+// A cell's registration from a file: as it is, or as what is known of it beforehand.
 #pragma once
 
 #include <filesystem>
@@ -13,5 +13,9 @@ namespace poecal {
 /// @throws FileError: another setup, a transform without either word or with both, a deviation that is not positive, or no transform at
 /// all.
 void readKnownRegistration(const std::filesystem::path& file, Registration& registration);
+
+/// The two poses of a registration.yaml, whatever it says of how well they are known. Which they are says the setup.
+/// @throws FileError where one is missing.
+Registration readRegistration(const std::filesystem::path& file);
 
 }  // namespace poecal
