@@ -95,7 +95,7 @@ std::optional<FurtherColumns> bestInstance(const PlanningCell& cell, const std::
   return best;
 }
 
-std::string nameOf(const Rival& rival) { return answerName(rival.effect, rival.location, rival.driver); }
+std::string nameOf(const Rival& rival) { return fmt::format("{}@{}/{}", rival.effect, rival.location, rival.driver); }
 
 /// One finding's explanations with their columns, and the model without that finding.
 struct Explanations {
@@ -207,7 +207,7 @@ void addContrasts(const PlanningCell& cell, const Explanations& all, const std::
                                           separate_with.empty() ? "" : ": " + separate_with));
 }
 
-bool hangsOnSides(const std::string& driver) { return driver.starts_with("dir"); }
+bool hangsOnSides(const Driver& driver) { return driver.kind() == DriverKind::kDirection; }
 
 /// "EFFECT@PLACE" or "EFFECT@PLACE/DRIVER".
 Rival parsed(const std::string& text) {
@@ -271,7 +271,7 @@ Question separation(const PlanningCell& cell, const std::vector<Sample>& candida
     const Explanations all = explanationsOf(cell, rivals, question.not_told);
     if (all.rivals.size() > 1 && nameOf(all.rivals.front()) == nameOf(rivals.explanations.front()))
       addContrasts(cell, all, candidates, odds, rivals.separate_with, question);
-    for (const Rival& rival : all.rivals) question.sides_matter = question.sides_matter || hangsOnSides(rival.driver);
+    for (const Rival& rival : all.rivals) question.sides_matter = question.sides_matter || hangsOnSides(Driver(rival.driver));
   }
   if (question.asked.empty()) {
     throw InsufficientData(question.not_told.empty()
