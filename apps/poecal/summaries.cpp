@@ -23,7 +23,7 @@ std::string errorText(const ErrorSummary& errors) {
 /// nominal -> registered -> identified, on calibration and on held-out poses.
 std::string stagesText(const Identification& identification) {
   const bool pixels = identification.stages.front().calibration.corners > 0;
-  const char* const held_out = identification.leave_one_out ? "each pose held out alone" : "held-out poses";
+  const char* const held_out = identification.leave_one_out ? "one pose held out at a time" : "held-out poses";
   std::string text = fmt::format("  {:<12}{:<42}{}\n", "", "calibration", held_out);
   text += fmt::format("  {:<12}{}\n", "", pixels ? "px rms, mean mm and mrad of the flange" : "mean mm and mrad");
   for (const ModelStage& stage : identification.stages) {

@@ -21,7 +21,7 @@ void sayRobot(const Arm& arm, CheckList& list) {
            fmt::format("{}: {}, {} of them with limits, {}", arm.name, counted(arm.joints.size(), "joint"), limited,
                        arm.links.empty() ? "no link masses" : "link masses"));
   if (arm.links.empty()) {
-    list.add(CheckLevel::kAdvice, "robot", "masses of the links [kg] are not known: compliances are found without, and sooner with them");
+    list.add(CheckLevel::kAdvice, "robot", "masses of the links [kg] are not known: they help to find compliances, but are not needed");
   }
 }
 
@@ -45,7 +45,7 @@ void sayTarget(const Target& target, CheckList& list) {
 void sayCamera(const Camera& camera, CheckList& list) {
   for (const std::string& remark : camera.remarks) list.add(CheckLevel::kAdvice, "camera", remark);
   if (camera.width == 0) {
-    list.add(CheckLevel::kOk, "camera", fmt::format("focal length {:.1f} px, the size is the pictures'", camera.fx));
+    list.add(CheckLevel::kOk, "camera", fmt::format("focal length {:.1f} px, picture size taken from the pictures", camera.fx));
     return;
   }
   const double view = 2.0 * std::atan(0.5 * camera.width / camera.fx) * 180.0 / std::numbers::pi;

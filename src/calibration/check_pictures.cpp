@@ -67,7 +67,7 @@ void sayPictures(const Capture& capture, CheckList& list) {
     if (!wrong.empty())
       list.add(CheckLevel::kError, "pictures", fmt::format("{} {}: {}", counted(wrong.size(), "picture"), what, some(wrong)));
   };
-  say(missing, "named in samples.csv not there");
+  say(missing, "named in samples.csv but missing");
   say(unreadable, "cannot be read, expected PNG, JPEG or TIFF");
   say(other_size, fmt::format("of another size than the {} x {} px {}", expected.width, expected.height,
                               capture.camera && capture.camera->width > 0 ? "of the camera" : "of the first"));
@@ -93,7 +93,7 @@ void sayCoverage(const Detections& detections, const ImageSize& size, CheckList&
   constexpr double kWell = 0.6, kWide = 40.0;
   list.add(share >= kWell ? CheckLevel::kOk : CheckLevel::kAdvice, "corners",
            fmt::format("seen in {:.0f} % of the picture{}", 100.0 * share,
-                       share >= kWell ? "" : ": go into its corners, where the lens shows what it does"));
+                       share >= kWell ? "" : ": also move the target near its edges, where lens distortion shows"));
   list.add(width >= kWide ? CheckLevel::kOk : CheckLevel::kAdvice, "corners",
            fmt::format("the target is {:.0f} px wide in the median picture{}", width,
                        width >= kWide ? "" : ": go nearer or use a larger one, 40 px or more"));

@@ -51,7 +51,7 @@ void sayJoint(const Joint& joint, std::size_t k, double moved, CheckList& list) 
     list.add(CheckLevel::kTooLittle, "joints", name + " never moved: its axis cannot be identified");
   } else if (moved < (turns ? kLittleTurn : kLittleWay)) {
     list.add(CheckLevel::kAdvice, "joints",
-             fmt::format("{} moved by {} alone: its axis will be known poorly, {} or more are better", name, range,
+             fmt::format("{} moved by only {}: its axis will be known poorly, {} or more are better", name, range,
                          turns ? "30 degrees" : "50 mm"));
   }
 }
@@ -93,9 +93,10 @@ void sayOrientations(const Arm* arm, const SampleTable& table, CheckList& list) 
   const double second = std::sqrt(std::max(0.0, axes.eigenvalues()(1)));  // ascending: the largest but one
   constexpr double kLittle = 0.15;                                        // [rad]
   if (second < kLittle) {
-    list.add(CheckLevel::kAdvice, "samples",
-             fmt::format("the flange turned by {:.1f} degrees rms about all axes but one: turn it about two, 10 degrees or more",
-                         second * kDegrees));
+    list.add(
+        CheckLevel::kAdvice, "samples",
+        fmt::format("the flange turned by {:.1f} degrees rms about its second axis of rotation: turn it about two axes, 10 degrees or more",
+                    second * kDegrees));
   }
 }
 
@@ -125,11 +126,12 @@ void sayColumns(const SampleTable& table, CheckList& list) {
     advise(fmt::format("no dq1.. [rad/s]: if the arm moves at exposure, {} cannot be found", effectsThatNeed(Need::kDq, "dq")));
   }
   if (!has([](const Sample& s) { return s.temperature.has_value(); })) {
-    advise(fmt::format("no temperature [degrees Celsius]: {} can follow time alone", effectsThatNeed(Need::kTemperature, "temperature")));
+    advise(
+        fmt::format("no temperature [degrees Celsius]: {} can follow only the time", effectsThatNeed(Need::kTemperature, "temperature")));
   }
   std::set<double> payloads;
   for (const Sample& sample : samples) payloads.insert(sample.payload.value_or(0.0));
-  if (payloads.size() < 2) advise("one payload [kg] in all rows: a second one tells elasticity from geometry");
+  if (payloads.size() < 2) advise("one payload [kg] in all rows: a second one tells compliance from geometry");
   for (const std::string& name : table.other_columns) {
     list.add(CheckLevel::kOk, "columns", fmt::format("{} is kept and may drive an error", name));
   }

@@ -137,7 +137,7 @@ TEST_F(CheckCapture, PicturesThatAreMissingOtherOrNoneAreCounted) {
   folder_.write("capture/images/0004.png", pngHeader(640, 480));
   const CaptureCheck bad = check();
   EXPECT_EQ(bad.exitStatus(), 3);
-  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kError, "pictures", "10 pictures named in samples.csv not there: images/0010.png")));
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kError, "pictures", "10 pictures named in samples.csv but missing: images/0010.png")));
   EXPECT_THAT(bad.items,
               Contains(says(CheckLevel::kError, "pictures", "1 picture cannot be read, expected PNG, JPEG or TIFF: images/0003.png")));
   EXPECT_THAT(bad.items, Contains(says(CheckLevel::kError, "pictures", "images/0004.png (640 x 480 px)")));

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kExample = R"(
 ok: as it should be. advice: it can be calibrated, and better with this. too little: not enough for a calibration (status 4). error: wrong or
-missing (status 3). Pictures are opened at their headers alone, and nothing is written.
+missing (status 3). Only the headers of pictures are read. Nothing is written.
 
 Example:
   $ poecal check capture

@@ -46,7 +46,7 @@ std::string fullText(const EffectKind& kind) {
 std::string listText() {
   std::string text;
   for (const EffectKind& kind : effectKinds()) text += fmt::format("{:<19} {:<14} {}\n", kind.name, kind.placePattern(), kind.meaning);
-  return text + "poecal effects NAME tells more of one. /t in a unit: /h where stamps drive it, /K where the temperature does.\n";
+  return text + "poecal effects NAME tells more about one. /t in a unit means /h if the driver is stamp, /K if it is temperature.\n";
 }
 
 nlohmann::json kindJson(const EffectKind& kind) {

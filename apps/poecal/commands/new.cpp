@@ -14,7 +14,7 @@ namespace poecal::app {
 namespace {
 
 constexpr const char* kExample = R"(
-Every file says in comments what belongs into it. Nothing that is there already is replaced.
+Comments in every file say what belongs in it. Existing files are never replaced.
 
 Example:
   $ poecal new cell-3 --robot arm.urdf --target tag/target.yaml

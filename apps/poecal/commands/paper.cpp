@@ -58,7 +58,7 @@ constexpr const char* kExample = R"(
 Example:
   $ poecal paper calib_data/puma560 --seeds 20
   ...
-  Mean error at 50 unseen poses, median over 20 seeds
+  Median error at 50 unseen poses, median over 20 seeds
     nominal      9.3051 mm  6.99e-02 rad
     gao          0.0496 mm  3.08e-04 rad
     weighted     0.0185 mm  2.43e-04 rad

@@ -70,7 +70,7 @@ std::string summaryText(const Arguments& arguments, const Plan& plan, double cor
   const bool first = arguments.source.capture.folder.empty();
   std::string text = fmt::format("{}: {} poses, in an order that makes a short path\n", arguments.out.string(), plan.poses.size());
   for (const RivalOdds& odds : plan.odds) {
-    text += fmt::format("if it is {}, odds against {} now {}, expected {}\n", odds.right, odds.wrong, oddsText(odds.before),
+    text += fmt::format("if {} is right: its odds over {} are {} now, {} expected\n", odds.right, odds.wrong, oddsText(odds.before),
                         oddsText(odds.expected));
   }
   for (const std::string& rival : plan.not_told) text += "not told by other poses: " + rival + "\n";
@@ -88,7 +88,7 @@ std::string summaryText(const Arguments& arguments, const Plan& plan, double cor
   constexpr double kHardly = 0.95;
   if (arguments.options.aim == PlanAim::kTool && plan.after.position > kHardly * plan.before.position) {
     text +=
-        "poses hardly help any more: what is left hangs on what no picture tells, such as the true size of the tag, or on places never in "
+        "poses hardly help any more: the rest depends on what no picture shows, such as the true size of the tag, or on places never in "
         "view\n";
   }
   if (plan.sides_matter) text += "dir1.. is part of the plan: let each joint come from that side (1: from below)\n";

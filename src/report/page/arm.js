@@ -63,12 +63,12 @@ function showSpace() {
     return button;
   });
   node.append(el('div', {class: 'controls'}, el('label', {}, 'Exaggerate ', slider, scale), el('label', {}, 'Misses of ', choice), el('span', {}, ...buttons)));
-  node.append(el('p', {}, el('span', {class: 'key'}, el('i', {class: 'before', 'aria-hidden': 'true'}), 'arm as drawn'), el('span', {class: 'key'}, el('i', {class: 'after', 'aria-hidden': 'true'}), 'identified, its differences exaggerated'), el('span', {class: 'key'}, 'dashed and full lines: axes of the joints')));
+  node.append(el('p', {}, el('span', {class: 'key'}, el('i', {class: 'before', 'aria-hidden': 'true'}), 'nominal arm'), el('span', {class: 'key'}, el('i', {class: 'after', 'aria-hidden': 'true'}), 'identified, its differences exaggerated'), el('span', {class: 'key'}, 'dashed and full lines: axes of the joints')));
   const pair = el('div', {class: 'pair'});
   node.append(pair);
   const space = chart(pair, {
     id: 'space', width: 560, height: 470, words: `The arm ${report.robot} at the picked sample: nominal and identified axes, camera and target, and where the compared model misses at ${postures.length} samples. Arrow keys turn it.`,
-    caption: 'Drag, or use the arrow keys, to turn. Thin lines at the dots: where the compared model puts the target, less where the best model has it, exaggerated.' + (postures.length < report.counts.measured ? ` ${postures.length} of ${report.counts.measured} samples are drawn.` : ''),
+    caption: 'Drag, or use the arrow keys, to turn. Thin lines at the dots: from the target of the best model to the target of the compared model, exaggerated.' + (postures.length < report.counts.measured ? ` ${postures.length} of ${report.counts.measured} samples are drawn.` : ''),
     draw: drawSpace,
   });
   makeTurnable(space);

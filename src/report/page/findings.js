@@ -44,7 +44,7 @@ function showFindings() {
   if (diagnosis.findings.length === 0) {
     node.append(el('p', {}, `No effect was found. ${diagnosis.search.explanations} explanations were weighed; the smallest sizes that would have been seen are listed below.`));
   } else {
-    node.append(good('before it enters the model the points follow the curve; after, they lie along zero without a shape. One cause stands far above its rivals.'));
+    node.append(good('without the finding in the model, the points follow the curve. With it, they scatter around zero. One cause stands far above its rivals.'));
     node.append(legend(['before', 'model without it'], ['after', 'model with it'], ['curve', 'what the finding says']));
   }
   diagnosis.findings.forEach((finding, k) => showFinding(node, finding, report.curves[k], k));

@@ -30,7 +30,7 @@ function showFleet() {
   document.getElementById('about').textContent = `${cells.length} captures side by side`;
   const node = section('fleet', 'The fleet');
   node.querySelector('h2').replaceWith(el('h1', {id: 'fleet-title'}, `${cells.length} captures: ${found} with findings, ${none} with none, ${cells.length - found - none} without a diagnosis`));
-  node.append(good('in every cell the points walk to the left, and the last ones of all cells stand below each other. A cell whose last point stays to the right is worth a look.'));
+  node.append(good('in every cell the points walk to the left, and the last points of all cells line up. A cell whose last point stays to the right is worth a look.'));
   const keys = [['before', 'nominal, registered'], ['after', 'identified'], ['diamond', 'with the findings']];
   node.append(el('p', {}, keys.map(([kind, text]) => el('span', {class: 'key'}, el('i', {class: kind, 'aria-hidden': 'true'}), text))));
   const order = el('select', {id: 'order'}, [['worst', 'largest error first'], ['name', 'by name'], ['given', 'as given']].map(([value, text]) => el('option', {value}, text)));
@@ -53,7 +53,7 @@ function fleetTable() {
     const last = best(cell);
     return [nameOf(cell), spark(cell, k, x), last ? fixed(last.mm) : '–', last ? fixed(last.mrad) : '–', last && last.px !== null ? fixed(last.px) : '–', cellWords(cell), shrinkageWords(cell), remarks(cell)];
   });
-  return table('Errors on held-out poses; the picture shows the mean error of the flange in mm, the same logarithmic scale in every row', ['capture', 'mean error', '#mm', '#mrad', '#px rms', 'findings', 'gap closed', 'remarks'], rows);
+  return table('Errors on held-out poses; the chart shows the mean error of the flange in mm, the same logarithmic scale in every row', ['capture', 'mean error', '#mm', '#mrad', '#px rms', 'findings', 'gap closed', 'remarks'], rows);
 }
 
 function nameOf(cell) {

@@ -23,13 +23,13 @@ function keyFigures() {
   const stages = report.ladder.stages;
   const first = stages[0], last = stages[stages.length - 1];
   const entries = [
-    ['Error as drawn', fixed(first.rms) + ' ' + lengthUnit, fixed(first.position_mm) + ' mm at the flange'],
+    ['Error of the nominal arm', fixed(first.rms) + ' ' + lengthUnit, fixed(first.position_mm) + ' mm at the flange'],
     ['Error of the best model', fixed(last.rms) + ' ' + lengthUnit, fixed(last.position_mm) + ' mm at the flange'],
   ];
   if (diagnosis && diagnosis.gap) {
     const gap = diagnosis.gap, suffix = report.pixels ? '_px' : '_mm';
     const interval = gap['after_excess_ci95' + suffix];
-    entries.push(['Gap that remains', fixed(gap['after_excess' + suffix]) + ' ' + lengthUnit, `${fixed(interval[0])} to ${fixed(interval[1])}`]);
+    entries.push(['Gap that remains', fixed(gap['after_excess' + suffix]) + ' ' + lengthUnit, `${fixed(interval[0])} to ${fixed(interval[1])} ${lengthUnit}`]);
     entries.push(['Gap closed', gap.shrinkage_claimed ? percent(gap.shrinkage) : '–',
       gap.shrinkage_claimed ? `${percent(gap.shrinkage_ci95[0])} to ${percent(gap.shrinkage_ci95[1])}` : 'nothing claimed']);
     if (report.ladder.noise.known) entries.push(['Noise', fixed(report.ladder.noise.rms) + ' ' + lengthUnit, report.ladder.noise.source]);
@@ -56,8 +56,8 @@ function ladderRows() {
 
 function showLadder() {
   const rows = ladderRows();
-  const node = section('stages', 'From the drawn arm to the noise', 'Stages');
-  node.append(good('every step moves to the left, and the last one reaches the band of the noise.'));
+  const node = section('stages', 'From the nominal arm to the noise', 'Stages');
+  node.append(good('every stage lies to the left of the one before. The last one reaches the noise band.'));
   const where = report.ladder.held_out ? 'poses that the fit did not see' : 'the poses that were fitted';
   const words = rows.map((row) => `${row.label}: ${length(row.rms)}`).join('; ');
   chart(node, {

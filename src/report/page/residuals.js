@@ -29,7 +29,7 @@ function showResiduals() {
 
 function showField(node) {
   node.append(el('h3', {}, 'Over the picture'));
-  node.append(good('arrows after are short and point anywhere. A common direction, a swirl or a fan is something that the model does not know.'));
+  node.append(good('the arrows after are short and point in random directions. A common direction, a swirl or a fan is an error that the model does not describe.'));
   const all = {before: cornerResiduals(report.model_before), after: cornerResiduals(report.model_after)};
   const start = startExaggeration(all.before, report.camera.width);
   const slider = el('input', {type: 'range', min: '0', max: '5', step: '0.05', value: String(Math.log10(start)), id: 'field-scale', 'aria-describedby': 'field-scale-value'});
@@ -111,7 +111,7 @@ function quantities() {
 
 function showDrivers(node) {
   node.append(el('h3', {}, 'Against every joint, torque, direction and time'));
-  node.append(good('the filled points lie flat around zero in every small picture. A slope, a wave or a step against one of them is a lead.'));
+  node.append(good('the filled points lie flat around zero in every small chart. A slope, a wave or a step against one of them is a lead.'));
   const all = quantities();
   const found = diagnosis && diagnosis.findings && diagnosis.findings.find((finding) => finding.location.startsWith('joint:'));
   const choice = el('select', {id: 'quantity'}, all.map((q, k) => el('option', {value: String(k)}, `${q.title} [${q.unit}]`)));
@@ -175,8 +175,8 @@ function drawMeans(svg, points, x, y, sided) {
 }
 
 function showLens(node) {
-  node.append(el('h3', {}, 'What the lens leaves'));
-  node.append(good('pale everywhere: the mean residual of each part of the picture is no longer than noise makes it. Dark parts that lie together are a lens that is not described well.'));
+  node.append(el('h3', {}, 'Mean residual over the picture'));
+  node.append(good('pale everywhere: the mean residual of each part of the picture is no longer than noise makes it. Adjacent dark parts mean that the lens model does not fit well.'));
   const columns = 12, rows = Math.max(4, Math.round(columns * report.camera.height / report.camera.width));
   const cells = lensCells(columns, rows);
   const counted = cells.filter((cell) => cell.count >= 2);

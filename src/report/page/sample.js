@@ -24,7 +24,7 @@ function showSample(pair) {
     button.addEventListener('click', () => pick(picked.row + by));
     return button;
   };
-  box.append(el('div', {class: 'controls'}, step(-1, '◀', 'Sample before'), slider, step(1, '▶', 'Next sample')), words);
+  box.append(el('div', {class: 'controls'}, step(-1, '◀', 'Previous sample'), slider, step(1, '▶', 'Next sample')), words);
   const entries = [];
   if (report.pixels) {
     entries.push(chart(box, {id: 'sample', width: 560, height: Math.round(560 * report.camera.height / report.camera.width), words: 'The picked picture with detected corners.', draw: drawWhole}));
@@ -41,7 +41,7 @@ function showSample(pair) {
   picked.listeners.push(() => { tell(); entries.forEach((entry) => entry.redraw()); });
   tell();
   if (report.pixels && pictures.pictures.length < samples.length) {
-    const text = pictures.pictures.length === 0 ? 'The pictures of this capture are not where it was calibrated from, so that none is shown.'
+    const text = pictures.pictures.length === 0 ? 'The pictures of this capture are no longer in its folder, so none is shown.'
         : `Pictures of ${pictures.pictures.length} of ${report.counts.measured} samples are in this page: the worst, and an even choice of the others.`;
     box.append(el('p', {class: 'note'}, text));
   }

@@ -6,7 +6,7 @@ const isAngle = (name) => / tilt /.test(name);
 
 function showParameters() {
   const node = section('parameters', 'Parameters', 'Parameters');
-  node.append(good('short bars beside the distance from zero: the data know where the axis is. A bar as long as the tolerance was decided by the tolerance.'));
+  node.append(good('bars are short compared with their distance from zero: the data determine the axis. Where a bar is as long as the tolerance, the data say little.'));
   const moved = report.parameters.filter((p) => p.value !== null && p.standard_deviation !== null);
   const pair = el('div', {class: 'pair'});
   node.append(pair);
@@ -14,8 +14,8 @@ function showParameters() {
     const list = moved.filter((p) => isAngle(p.name) === angle);
     if (list.length === 0) continue;
     chart(pair, {
-      id: 'parameters-' + id, width: 560, height: 40 + 20 * list.length, words: `How each axis was moved from the drawing [${unit}]: ` + list.map((p) => `${p.name} ${figure(1e3 * p.value)} ± ${figure(1e3 * p.standard_deviation, 2)}`).join('; ') + '.',
-      caption: `${angle ? 'Tilts' : 'Shifts'} of the axes from the drawing [${unit}], bars: ± 2 standard deviations. Pale: mostly decided by the tolerance.`, draw: (svg) => drawParameters(svg, list),
+      id: 'parameters-' + id, width: 560, height: 40 + 20 * list.length, words: `How each axis was moved from its nominal place [${unit}]: ` + list.map((p) => `${p.name} ${figure(1e3 * p.value)} ± ${figure(1e3 * p.standard_deviation, 2)}`).join('; ') + '.',
+      caption: `${angle ? 'Tilts' : 'Shifts'} of the axes from their nominal places [${unit}], bars: ± 2 standard deviations. Pale: mostly decided by the tolerance.`, draw: (svg) => drawParameters(svg, list),
     });
   }
   node.append(el('details', {}, el('summary', {}, `All ${report.parameters.length} parameters in a table`), table('Parameters of the fit, in m and rad', ['parameter', '#moved by', '#standard deviation', '#share of the tolerance'],

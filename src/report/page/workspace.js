@@ -13,7 +13,7 @@ function showUncertainty(node) {
   node.append(good('even and small where you work. Where it grows, poses there would help most.'));
   const range = d3.extent(places, (p) => p.mm);
   const middle = d3.median(places, (p) => p.mm);
-  node.append(el('p', {class: 'note'}, `Standard deviation of the tool’s place by the identified geometry: ${figure(range[0], 2)} to ${figure(range[1], 2)} mm, median ${figure(middle, 2)} mm, at ${places.length} postures spread over the joints’ ranges. Effects that the model does not know are not in it.` + (report.curves.length > 0 ? ' It is from before the findings: what they explain counts as noise.' : '')));
+  node.append(el('p', {class: 'note'}, `Standard deviation of the tool’s place by the identified geometry: ${figure(range[0], 2)} to ${figure(range[1], 2)} mm, median ${figure(middle, 2)} mm, at ${places.length} postures spread over the joints’ ranges. Effects that the model does not know are not in it.` + (report.curves.length > 0 ? ' It is computed without the findings: what they explain counts as noise.' : '')));
   const low = d3.quantile(places.map((p) => p.mm).sort(d3.ascending), 0.02), high = d3.quantile(places.map((p) => p.mm).sort(d3.ascending), 0.98);
   const shade = d3.scaleLinear().domain([low, high > low ? high : low + 1e-9]).range([0.1, 1]).clamp(true);
   const pair = el('div', {class: 'pair'});
