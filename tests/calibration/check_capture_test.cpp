@@ -155,7 +155,7 @@ TEST_F(CheckCapture, AStillJointAndMillimetresAreNamed) {
   EXPECT_THAT(bad.items, Contains(says(CheckLevel::kError, "target", "millimetres?")));
   EXPECT_THAT(bad.items, Contains(says(CheckLevel::kTooLittle, "joints", "q2 (shoulder_lift) never moved")));
   EXPECT_THAT(bad.items, Contains(says(CheckLevel::kTooLittle, "joints", "q4 (wrist_1_joint) never moved")));
-  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kAdvice, "joints", "q6 (wrist_3_joint) moved by 10.3 degrees alone")));
+  EXPECT_THAT(bad.items, Contains(says(CheckLevel::kAdvice, "joints", "q6 (wrist_3_joint) moved by only 10.3 degrees")));
 }
 
 TEST_F(CheckCapture, CornersFoundEarlierTellWhatWasSeen) {
@@ -175,7 +175,7 @@ TEST_F(CheckCapture, CornersFoundEarlierTellWhatWasSeen) {
   EXPECT_EQ(seen.exitStatus(), 0);
   EXPECT_THAT(seen.items, Contains(says(CheckLevel::kOk, "corners", "40 corners in 10 pictures, found earlier")));
   // One of the 24 parts of the picture, and 20 px.
-  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "seen in 4 % of the picture: go into its corners")));
+  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "seen in 4 % of the picture: also move the target near its edges")));
   EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "20 px wide in the median picture: go nearer")));
   EXPECT_THAT(seen.items, Each(Field(&CheckItem::topic, Not("pictures"))));
 }
