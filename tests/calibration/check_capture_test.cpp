@@ -175,7 +175,8 @@ TEST_F(CheckCapture, CornersFoundEarlierTellWhatWasSeen) {
   EXPECT_EQ(seen.exitStatus(), 0);
   EXPECT_THAT(seen.items, Contains(says(CheckLevel::kOk, "corners", "40 corners in 10 pictures, found earlier")));
   // One of the 24 parts of the picture, and 20 px.
-  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "seen in 4 % of the picture: also move the target near its edges")));
+  EXPECT_THAT(seen.items,
+              Contains(says(CheckLevel::kAdvice, "corners", "seen in 4 % of the picture: also move the target near its edges")));
   EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "20 px wide in the median picture: go nearer")));
   EXPECT_THAT(seen.items, Each(Field(&CheckItem::topic, Not("pictures"))));
 }

@@ -30,7 +30,8 @@ Capture openCapture(const CaptureSource& source);
 struct LoadedCapture {
   std::shared_ptr<const ResultRecord> record;  ///< of OUT; the results are noted down there when the last copy of it goes
   Capture capture;
-  Cell nominal;  ///< arm as drawn, only where there are joint readings; camera as stated or found; of the registration what the capture says is known
+  Cell nominal;  ///< arm as drawn, only where there are joint readings; camera as stated or found; of the registration what the capture
+                 ///< says is known
   Measurements measurements;
 };
 

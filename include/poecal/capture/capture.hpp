@@ -52,7 +52,7 @@ struct Capture {
   std::filesystem::path intrinsics_folder;
   Target target;
   std::optional<Target> reference;
-  std::filesystem::path detections_file;  ///< empty where none is named
+  std::filesystem::path detections_file;    ///< empty where none is named
   std::filesystem::path registration_file;  ///< known transforms; empty where none are named
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
   SampleTable table;
