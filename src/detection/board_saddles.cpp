@@ -1,0 +1,145 @@
+#include "detection/board_saddles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <opencv2/calib3d.hpp>
+
+#include "detection/saddle_fit.hpp"
+#include "poecal/core/statistics.hpp"
+
+namespace poecal {
+namespace {
+
+using Terms = Eigen::Matrix<double, 6, 1>;
+
+Eigen::Vector2d squaresOf(const BoardSaddle& saddle) { return {static_cast<double>(saddle.col), static_cast<double>(saddle.row)}; }
+
+/// A plane seen through a pinhole, to second order about a point of it.
+SaddleView viewOf(const Eigen::Matrix3d& H, const Eigen::Vector2d& squares) {
+  SaddleView view;
+  const Eigen::Vector3d h = H * squares.homogeneous();
+  view.px = h.hnormalized();
+  view.J_px_squares = (H.topLeftCorner<2, 2>() - view.px * H.row(2).head<2>()) / h.z();
+  const double by_u = H(2, 0) / h.z(), by_v = H(2, 1) / h.z();
+  view.uu = -by_u * view.J_px_squares.col(0);
+  view.vv = -by_v * view.J_px_squares.col(1);
+  view.uv = -by_v * view.J_px_squares.col(0) - by_u * view.J_px_squares.col(1);
+  return view;
+}
+
+std::optional<Eigen::Matrix3d> homographyOf(const std::vector<BoardSaddle>& saddles) {
+  if (saddles.size() < 4) return std::nullopt;
+  std::vector<cv::Point2d> board, picture;
+  for (const BoardSaddle& saddle : saddles) {
+    board.emplace_back(saddle.col, saddle.row);
+    picture.emplace_back(saddle.px.x(), saddle.px.y());
+  }
+  const cv::Mat H = cv::findHomography(board, picture);
+  if (H.empty()) return std::nullopt;
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(H.ptr<double>());
+}
+
+/// The board about each corner: the homography that suits all of them, and about each a second order of what that leaves, which is the
+/// lens's.
+class Neighbourhood {
+ public:
+  Neighbourhood(const std::vector<BoardSaddle>& saddles, const Eigen::Matrix3d& H) : saddles_(saddles), H_(H) {
+    for (const BoardSaddle& saddle : saddles) left_.push_back(saddle.px - (H * squaresOf(saddle).homogeneous()).hnormalized());
+  }
+
+  SaddleView about(std::size_t k) const {
+    constexpr int kNear = 2;                      // [squares]
+    constexpr double kTilt = 0.05, kBend = 0.02;  // deviations of what the lens does within a square, in sides of it
+    constexpr double kNoise = 0.1;                // [px]
+    SaddleView view = viewOf(H_, squaresOf(saddles_[k]));
+    const double side = view.J_px_squares.colwise().norm().mean();
+    Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+    const double tilt = kNoise / (kTilt * side), bend = kNoise / (kBend * side);
+    A.diagonal() << 0.0, tilt * tilt, tilt * tilt, bend * bend, bend * bend, bend * bend;
+    Eigen::Matrix<double, 6, 2> b = Eigen::Matrix<double, 6, 2>::Zero();
+    for (std::size_t n = 0; n < saddles_.size(); ++n) {
+      const int du = saddles_[n].col - saddles_[k].col, dv = saddles_[n].row - saddles_[k].row;
+      if (std::max(std::abs(du), std::abs(dv)) > kNear) continue;
+      Terms terms;
+      terms << 1.0, du, dv, du * du, du * dv, dv * dv;
+      A += terms * terms.transpose();
+      b += terms * left_[n].transpose();
+    }
+    const Eigen::Matrix<double, 6, 2> lens = A.ldlt().solve(b);
+    view.px = saddles_[k].px;
+    view.J_px_squares += lens.middleRows<2>(1).transpose();
+    view.uu += lens.row(3).transpose();
+    view.uv += lens.row(4).transpose();
+    view.vv += lens.row(5).transpose();
+    return view;
+  }
+
+ private:
+  const std::vector<BoardSaddle>& saddles_;
+  Eigen::Matrix3d H_;
+  std::vector<Eigen::Vector2d> left_;
+};
+
+bool isPlausible(const SaddleFit& fit, const Eigen::Vector2d& start) {
+  constexpr double kLargestMove = 2.0;     // [px]
+  constexpr double kLeastContrast = 20.0;  // [grey levels]
+  constexpr double kLargestNoise = 0.1;    // of the contrast
+  constexpr double kMostOutliers = 0.3;
+  return (fit.px - start).norm() <= kLargestMove && fit.contrast >= kLeastContrast && fit.noise <= kLargestNoise * fit.contrast &&
+         fit.outliers <= kMostOutliers && std::isfinite(fit.sigma());
+}
+
+/// A fit of each corner that can be fitted. @param spread  where to start.
+std::vector<std::optional<SaddleFit>> fits(const cv::Mat& grey, const SaddleCells& cells, DarkPair first,
+                                           const std::vector<BoardSaddle>& saddles, const Eigen::Matrix3d& H, const PointSpread& spread,
+                                           int stride) {
+  const Neighbourhood board(saddles, H);
+  std::vector<std::optional<SaddleFit>> found;
+  for (std::size_t k = 0; k < saddles.size(); ++k) {
+    SaddleView view = board.about(k);
+    const bool same = (saddles[k].col + saddles[k].row) % 2 == 0;
+    view.dark = same == (first == DarkPair::kMain) ? DarkPair::kMain : DarkPair::kOther;
+    found.push_back(fitSaddle(grey, cells, view, spread, stride));
+    if (found.back() && !isPlausible(*found.back(), saddles[k].px)) found.back().reset();
+  }
+  return found;
+}
+
+}  // namespace
+
+void fitBoardSaddles(const cv::Mat& grey, const SaddleCells& cells, DarkPair first, std::vector<BoardSaddle>& saddles) {
+  constexpr int kRoughStride = 2;
+  constexpr double kLeastUnfitted = 0.1, kUnfitted = 5.0;  // [px], [median sigmas]
+  PointSpread spread;
+  std::vector<double> sigmas;
+  // The board about a corner is known as well as its neighbours are: once more with these.
+  for (const int stride : {kRoughStride, 1}) {
+    const std::optional<Eigen::Matrix3d> H = homographyOf(saddles);
+    if (!H) return;
+    const auto found = fits(grey, cells, first, saddles, *H, spread, stride);
+    std::vector<double> blurs, kurtoses;
+    sigmas.clear();
+    for (std::size_t k = 0; k < saddles.size(); ++k) {
+      saddles[k].sigma = std::numeric_limits<double>::quiet_NaN();
+      if (!found[k]) continue;
+      saddles[k].px = found[k]->px;
+      saddles[k].sigma = found[k]->sigma();
+      sigmas.push_back(found[k]->sigma());
+      blurs.push_back(found[k]->spread.blur);
+      kurtoses.push_back(found[k]->spread.kurtosis);
+    }
+    if (sigmas.empty()) break;
+    spread = {median(std::move(blurs)), median(std::move(kurtoses))};
+  }
+  const double unfitted = sigmas.empty() ? kLeastUnfitted : std::max(kLeastUnfitted, kUnfitted * median(sigmas));
+  for (BoardSaddle& saddle : saddles) {
+    if (std::isnan(saddle.sigma)) saddle.sigma = unfitted;
+  }
+}
+
+}  // namespace poecal
