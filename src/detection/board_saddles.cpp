@@ -90,51 +90,60 @@ bool isPlausible(const SaddleFit& fit, const Eigen::Vector2d& start) {
   constexpr double kLeastContrast = 20.0;  // [grey levels]
   constexpr double kLargestNoise = 0.1;    // of the contrast
   constexpr double kMostOutliers = 0.3;
-  return (fit.px - start).norm() <= kLargestMove && fit.contrast >= kLeastContrast && fit.noise <= kLargestNoise * fit.contrast &&
-         fit.outliers <= kMostOutliers && std::isfinite(fit.sigma());
+  return (fit.px - start).norm() <= kLargestMove && fit.look.contrast() >= kLeastContrast &&
+         fit.look.noise <= kLargestNoise * fit.look.contrast() && fit.outliers <= kMostOutliers && std::isfinite(fit.sigma());
 }
 
-/// A fit of each corner that can be fitted. @param spread  where to start.
-std::vector<std::optional<SaddleFit>> fits(const cv::Mat& grey, const SaddleCells& cells, DarkPair first,
-                                           const std::vector<BoardSaddle>& saddles, const Eigen::Matrix3d& H, const PointSpread& spread,
-                                           int stride) {
+using Fits = std::vector<std::optional<SaddleFit>>;
+
+/// A fit of each corner that can be fitted. @param before  where to start; as many as corners.
+Fits fits(const cv::Mat& grey, const SaddleCells& cells, DarkPair first, const std::vector<BoardSaddle>& saddles, const Eigen::Matrix3d& H,
+          const Fits& before, int stride) {
   const Neighbourhood board(saddles, H);
-  std::vector<std::optional<SaddleFit>> found;
+  SaddleLook usual;
+  std::vector<double> blurs;
+  for (const auto& fit : before) {
+    if (fit) blurs.push_back(fit->look.spread.blur);
+  }
+  if (!blurs.empty()) usual.spread.blur = median(std::move(blurs));
+  Fits found;
   for (std::size_t k = 0; k < saddles.size(); ++k) {
     SaddleView view = board.about(k);
     const bool same = (saddles[k].col + saddles[k].row) % 2 == 0;
     view.dark = same == (first == DarkPair::kMain) ? DarkPair::kMain : DarkPair::kOther;
-    found.push_back(fitSaddle(grey, cells, view, spread, stride));
+    found.push_back(fitSaddle(grey, cells, view, before[k] ? before[k]->look : usual, stride));
     if (found.back() && !isPlausible(*found.back(), saddles[k].px)) found.back().reset();
   }
   return found;
 }
 
+/// Of the first fits: some hundred pixels of a square of any size.
+int roughStride(const Eigen::Matrix3d& H, const BoardSaddle& middle) {
+  constexpr double kSidePerPixel = 14.0;  // [px]
+  const double side = std::sqrt(std::abs(viewOf(H, squaresOf(middle)).J_px_squares.determinant()));
+  return std::clamp(static_cast<int>(side / kSidePerPixel), 1, 4);
+}
+
 }  // namespace
 
 void fitBoardSaddles(const cv::Mat& grey, const SaddleCells& cells, DarkPair first, std::vector<BoardSaddle>& saddles) {
-  constexpr int kRoughStride = 2;
   constexpr double kLeastUnfitted = 0.1, kUnfitted = 5.0;  // [px], [median sigmas]
-  PointSpread spread;
+  const std::vector<BoardSaddle> given = saddles;
   std::vector<double> sigmas;
+  Fits found(saddles.size());
   // The board about a corner is known as well as its neighbours are: once more with these.
-  for (const int stride : {kRoughStride, 1}) {
+  for (const bool is_rough : {true, false}) {
     const std::optional<Eigen::Matrix3d> H = homographyOf(saddles);
     if (!H) return;
-    const auto found = fits(grey, cells, first, saddles, *H, spread, stride);
-    std::vector<double> blurs, kurtoses;
+    found = fits(grey, cells, first, saddles, *H, found, is_rough ? roughStride(*H, saddles[saddles.size() / 2]) : 1);
     sigmas.clear();
     for (std::size_t k = 0; k < saddles.size(); ++k) {
-      saddles[k].sigma = std::numeric_limits<double>::quiet_NaN();
+      saddles[k] = given[k];
       if (!found[k]) continue;
       saddles[k].px = found[k]->px;
       saddles[k].sigma = found[k]->sigma();
       sigmas.push_back(found[k]->sigma());
-      blurs.push_back(found[k]->spread.blur);
-      kurtoses.push_back(found[k]->spread.kurtosis);
     }
-    if (sigmas.empty()) break;
-    spread = {median(std::move(blurs)), median(std::move(kurtoses))};
   }
   const double unfitted = sigmas.empty() ? kLeastUnfitted : std::max(kLeastUnfitted, kUnfitted * median(sigmas));
   for (BoardSaddle& saddle : saddles) {
