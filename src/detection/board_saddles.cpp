@@ -119,7 +119,7 @@ Fits fits(const cv::Mat& grey, const SaddleCells& cells, DarkPair first, const s
 
 /// Of the first fits: some hundred pixels of a square of any size.
 int roughStride(const Eigen::Matrix3d& H, const BoardSaddle& middle) {
-  constexpr double kSidePerPixel = 14.0;  // [px]
+  constexpr double kSidePerPixel = 17.0;  // [px]
   const double side = std::sqrt(std::abs(viewOf(H, squaresOf(middle)).J_px_squares.determinant()));
   return std::clamp(static_cast<int>(side / kSidePerPixel), 1, 4);
 }

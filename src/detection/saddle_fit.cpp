@@ -16,10 +16,10 @@ namespace poecal {
 namespace {
 
 // Parameters: shift of the pattern along u and v, tilt of either line, blur, kurtosis, growth, black and its slopes, contrast and its
-// slopes; then the residual and one column that is not used.
-constexpr int kBlur = 4, kKurtosis = 5, kGrowth = 6, kBlack = 7, kContrast = 10, kParameters = 13;
+// slopes; then the residual, and two columns of zeros that fill the last tile.
+constexpr int kBlur = 4, kKurtosis = 5, kGrowth = 6, kBlack = 7, kContrast = 10, kParameters = 13, kColumns = 16;
 using Step = Eigen::Matrix<double, kParameters, 1>;
-using Rows = GramSum<kParameters + 1, 7>;
+using Rows = GramSum<kColumns, 4>;
 using Light = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kEdgeReach = 2.5;      // [blurs]; what an edge tells falls as exp(-d^2), to 0.2 % here
@@ -41,13 +41,13 @@ class EdgeTally {
   /// @param row  derivatives by the parameters, then the residual.
   template <typename RowVector>
   void add(const Eigen::Vector2d& squares, const Eigen::Vector2d& slope, const RowVector& row) {
-    for (const Eigen::Index axis : {0, 1}) {
-      const double along = (squares(1 - axis) + kReach) * (kPieces / (2.0 * kReach));
-      const auto piece = static_cast<std::size_t>(std::clamp(along, 0.0, kPieces - 1.0));
-      Pull& pull = pulls_[static_cast<std::size_t>(axis) * kPieces + piece];
-      pull.scores += slope(axis) * row;
-      pull.information += slope(axis) * slope(axis);
-    }
+    const Eigen::Index axis = std::abs(slope(0)) > std::abs(slope(1)) ? 0 : 1;
+    if (slope(axis) == 0.0) return;
+    const double along = (squares(1 - axis) + kReach) * (kPieces / (2.0 * kReach));
+    const auto piece = static_cast<std::size_t>(std::clamp(along, 0.0, kPieces - 1.0));
+    Pull& pull = pulls_[static_cast<std::size_t>(axis) * kPieces + piece];
+    pull.scores += slope(axis) * row.template head<kParameters + 1>();
+    pull.information += slope(axis) * slope(axis);
   }
 
   /// Mean square of score / sqrt(information) over the pieces: 1 where residuals are noise of that variance.
@@ -242,6 +242,7 @@ class Fit {
     row.template segment<3>(kContrast) = white.value * shading;
     const double residual = pixel.grey - black - contrast * white.value;
     row(kParameters) = residual;
+    row.template tail<kColumns - kParameters - 1>().setZero();
     tally_.add(cells_.cell() * Eigen::Vector2d(u, v), gradient.transpose().cwiseProduct(view.slope), row);
     return residual;
   }

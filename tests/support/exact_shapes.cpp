@@ -16,7 +16,16 @@ ExactShapes::ExactShapes(cv::Size size) : size_(size), change_(cv::Mat::zeros(si
 
 void ExactShapes::addDark(const Eigen::Matrix2Xd& outline) {
   const Eigen::Matrix2Xd fine = (kFine * (outline.array() + 0.5)).matrix();
-  for (Eigen::Index k = 0; k < fine.cols(); ++k) addSide(fine.col((k + 1) % fine.cols()), fine.col(k));
+  const Eigen::Index count = fine.cols();
+  double area = 0.0;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Vector2d from = fine.col(k), to = fine.col((k + 1) % count);
+    area += from.x() * to.y() - from.y() * to.x();
+  }
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Vector2d from = fine.col(k), to = fine.col((k + 1) % count);
+    area > 0.0 ? addSide(to, from) : addSide(from, to);
+  }
 }
 
 cv::Mat ExactShapes::shares(double blur) const {

@@ -11,7 +11,7 @@ class ExactShapes {
  public:
   explicit ExactShapes(cv::Size size);
 
-  /// @param outline  in OpenCV's pixels, clockwise as the picture is seen.
+  /// @param outline  in OpenCV's pixels, either way round.
   void addDark(const Eigen::Matrix2Xd& outline);
   /// CV_32F: how much of each pixel is dark. @param blur  [px]
   cv::Mat shares(double blur) const;
