@@ -15,7 +15,8 @@
 namespace poecal {
 namespace {
 
-using Terms = Eigen::Matrix<double, 6, 1>;
+constexpr int kTerms = 10;
+using Terms = Eigen::Matrix<double, kTerms, 1>;
 
 Eigen::Vector2d squaresOf(const BoardSaddle& saddle) { return {static_cast<double>(saddle.col), static_cast<double>(saddle.row)}; }
 
@@ -44,33 +45,33 @@ std::optional<Eigen::Matrix3d> homographyOf(const std::vector<BoardSaddle>& sadd
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(H.ptr<double>());
 }
 
-/// The board about each corner: the homography that suits all of them, and about each a second order of what that leaves, which is the
-/// lens's.
+/// The board about each corner: the homography that suits all of them, and about each a third order of what that leaves, which is the
+/// lens's. The third is for the corners at the board's rim, whose neighbours all lie on one side.
 class Neighbourhood {
  public:
-  Neighbourhood(const std::vector<BoardSaddle>& saddles, const Eigen::Matrix3d& H) : saddles_(saddles), H_(H) {
+  /// @param noise  of the corners [px].
+  Neighbourhood(const std::vector<BoardSaddle>& saddles, const Eigen::Matrix3d& H, double noise) : saddles_(saddles), H_(H), noise_(noise) {
     for (const BoardSaddle& saddle : saddles) left_.push_back(saddle.px - (H * squaresOf(saddle).homogeneous()).hnormalized());
   }
 
   SaddleView about(std::size_t k) const {
-    constexpr int kNear = 2;                      // [squares]
-    constexpr double kTilt = 0.05, kBend = 0.02;  // deviations of what the lens does within a square, in sides of it
-    constexpr double kNoise = 0.1;                // [px]
+    constexpr int kNear = 3;                                     // [squares]
+    constexpr double kTilt = 0.05, kBend = 0.02, kTurn = 0.005;  // deviations of what a lens does within a square, in sides of it
     SaddleView view = viewOf(H_, squaresOf(saddles_[k]));
     const double side = view.J_px_squares.colwise().norm().mean();
-    Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
-    const double tilt = kNoise / (kTilt * side), bend = kNoise / (kBend * side);
-    A.diagonal() << 0.0, tilt * tilt, tilt * tilt, bend * bend, bend * bend, bend * bend;
-    Eigen::Matrix<double, 6, 2> b = Eigen::Matrix<double, 6, 2>::Zero();
+    const auto prior = [&](double deviation) { return std::pow(noise_ / (deviation * side), 2.0); };
+    Eigen::Matrix<double, kTerms, kTerms> A = Eigen::Matrix<double, kTerms, kTerms>::Zero();
+    A.diagonal() << 0.0, prior(kTilt), prior(kTilt), Eigen::Vector3d::Constant(prior(kBend)), Eigen::Vector4d::Constant(prior(kTurn));
+    Eigen::Matrix<double, kTerms, 2> b = Eigen::Matrix<double, kTerms, 2>::Zero();
     for (std::size_t n = 0; n < saddles_.size(); ++n) {
-      const int du = saddles_[n].col - saddles_[k].col, dv = saddles_[n].row - saddles_[k].row;
-      if (std::max(std::abs(du), std::abs(dv)) > kNear) continue;
+      const double u = saddles_[n].col - saddles_[k].col, v = saddles_[n].row - saddles_[k].row;
+      if (std::max(std::abs(u), std::abs(v)) > kNear) continue;
       Terms terms;
-      terms << 1.0, du, dv, du * du, du * dv, dv * dv;
+      terms << 1.0, u, v, u * u, u * v, v * v, u * u * u, u * u * v, u * v * v, v * v * v;
       A += terms * terms.transpose();
       b += terms * left_[n].transpose();
     }
-    const Eigen::Matrix<double, 6, 2> lens = A.ldlt().solve(b);
+    const Eigen::Matrix<double, kTerms, 2> lens = A.ldlt().solve(b);
     view.px = saddles_[k].px;
     view.J_px_squares += lens.middleRows<2>(1).transpose();
     view.uu += lens.row(3).transpose();
@@ -82,6 +83,7 @@ class Neighbourhood {
  private:
   const std::vector<BoardSaddle>& saddles_;
   Eigen::Matrix3d H_;
+  double noise_;
   std::vector<Eigen::Vector2d> left_;
 };
 
@@ -99,12 +101,13 @@ using Fits = std::vector<std::optional<SaddleFit>>;
 /// A fit of each corner that can be fitted. @param before  where to start; as many as corners.
 Fits fits(const cv::Mat& grey, const SaddleCells& cells, DarkPair first, const std::vector<BoardSaddle>& saddles, const Eigen::Matrix3d& H,
           const Fits& before, int stride) {
-  const Neighbourhood board(saddles, H);
+  constexpr double kWindowNoise = 0.1, kFitNoise = 0.02;  // [px]; of corners given, and of those fitted once
   SaddleLook usual;
   std::vector<double> blurs;
   for (const auto& fit : before) {
     if (fit) blurs.push_back(fit->look.spread.blur);
   }
+  const Neighbourhood board(saddles, H, blurs.empty() ? kWindowNoise : kFitNoise);
   if (!blurs.empty()) usual.spread.blur = median(std::move(blurs));
   Fits found;
   for (std::size_t k = 0; k < saddles.size(); ++k) {
