@@ -18,7 +18,7 @@ struct BoardBundle {
   std::vector<Eigen::Isometry3d> T_camera_target;  ///< one per view
 };
 
-/// Weights of the corners of each view, in [0, 1]; no vectors at all: every corner has weight 1.
+/// Weights of the corners of each view, not negative; no vectors at all: every corner has weight 1.
 using CornerWeights = std::vector<Eigen::VectorXd>;
 
 struct BoardBundleFit {

@@ -23,6 +23,11 @@ void checkViews(const std::vector<BoardView>& views, int width, int height) {
       throw InvalidArgument(
           fmt::format("{}: {} points and {} pixels, expected as many", view.image, view.points.cols(), view.pixels.cols()));
     }
+    if (view.sigmas.size() != 0 &&
+        (view.sigmas.size() != view.points.cols() || !(view.sigmas.array() > 0.0).all() || !view.sigmas.allFinite())) {
+      throw InvalidArgument(fmt::format("{}: {} sigmas of {} points, expected none or a positive one for each", view.image,
+                                        view.sigmas.size(), view.points.cols()));
+    }
     if (!view.points.allFinite() || !view.pixels.allFinite()) throw InvalidArgument(view.image + ": points and pixels must be finite");
   }
 }
@@ -103,7 +108,7 @@ IntrinsicsFit summarise(const Solution& solution, double variance_px2) {
   camera = solution.fit.estimate.camera;
   summary.pictures = static_cast<int>(solution.views.size());
   for (const BoardView* view : solution.views) summary.points += static_cast<int>(view->points.cols());
-  for (const Eigen::VectorXd& weights : solution.weights) summary.outliers += static_cast<int>((weights.array() < 0.5).count());
+  for (const Eigen::VectorXd& trust : solution.trust) summary.outliers += static_cast<int>((trust.array() < 0.5).count());
   summary.converged = solution.fit.converged;
   summary.rms_px = std::sqrt(solution.fit.squared_error / solution.cornerCount());
   summary.sigma_px = solution.sigma();

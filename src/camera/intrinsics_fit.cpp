@@ -144,28 +144,75 @@ Eigen::VectorXd hampelWeights(const Eigen::Matrix2Xd& residuals, double sigma_px
 constexpr double kSmallestSigma_px = 1e-3;
 
 struct Reweighting {
-  CornerWeights weights;
+  CornerWeights weights, trust;
   double largest_change = 0.0;
 };
+
+bool stateSigmas(const Views& views) {
+  return std::all_of(views.begin(), views.end(), [](const BoardView* view) { return view->sigmas.size() > 0; });
+}
+
+/// What corners have beside their sigmas [px]: the floor with which the median of |r|^2 / (sigma^2 + floor^2) is that of normal noise; 0
+/// where corners are as near as they say. @param squares, variances  of all corners [px^2].
+double squaredFloor(const std::vector<double>& squares, const std::vector<double>& variances) {
+  constexpr int kHalvings = 60;
+  const auto medianBeside = [&](double floor2) {
+    std::vector<double> ratios;
+    for (std::size_t k = 0; k < squares.size(); ++k) ratios.push_back(squares[k] / (variances[k] + floor2));
+    return std::pow(sigmaOfMedian(std::sqrt(median(std::move(ratios)))), 2.0);
+  };
+  if (medianBeside(0.0) <= 1.0) return 0.0;
+  double low = 0.0, high = *std::max_element(squares.begin(), squares.end());
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    (medianBeside(middle) > 1.0 ? low : high) = middle;
+  }
+  return high;
+}
+
+/// Standard deviations of the corners, relative to one of mean weight; all 1 where no sigmas are stated.
+std::vector<Eigen::VectorXd> relativeSigmas(const Views& views, const std::vector<Eigen::Matrix2Xd>& residuals, double freedom_share) {
+  std::vector<Eigen::VectorXd> relative;
+  for (const Eigen::Matrix2Xd& of_view : residuals) relative.emplace_back(Eigen::VectorXd::Ones(of_view.cols()));
+  if (!stateSigmas(views)) return relative;
+  std::vector<double> squares, variances;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (Eigen::Index i = 0; i < residuals[v].cols(); ++i) {
+      squares.push_back(residuals[v].col(i).squaredNorm() / freedom_share);
+      variances.push_back(views[v]->sigmas(i) * views[v]->sigmas(i));
+    }
+  }
+  const double floor2 = squaredFloor(squares, variances);
+  double precision = 0.0;
+  for (const double variance : variances) precision += 1.0 / (variance + floor2);
+  precision /= static_cast<double>(variances.size());
+  for (std::size_t v = 0; v < views.size(); ++v) relative[v] = ((views[v]->sigmas.array().square() + floor2) * precision).sqrt();
+  return relative;
+}
 
 Reweighting reweighted(const Solution& solution) {
   const BoardBundle& estimate = solution.fit.estimate;
   std::vector<Eigen::Matrix2Xd> residuals;
-  std::vector<double> distances;
   for (std::size_t v = 0; v < solution.views.size(); ++v) {
     const BoardView& view = *solution.views[v];
     // The fit has just seen every point of it.
     residuals.push_back(
         boardResiduals(estimate.camera, estimate.T_camera_target[v], view).value_or(Eigen::Matrix2Xd::Zero(2, view.points.cols())));
-    for (const double distance : residuals.back().colwise().norm()) distances.push_back(distance);
   }
-  const double numbers = 2.0 * static_cast<double>(distances.size());
+  const double numbers = 2.0 * static_cast<double>(pointCount(solution.views));
   const double unknowns = static_cast<double>(solution.free.size() + 6 * solution.views.size());
-  const double sigma =
-      std::max(kSmallestSigma_px, sigmaOfMedian(median(distances)) * std::sqrt(numbers / std::max(1.0, numbers - unknowns)));
+  const double freedom_share = std::max(1.0, numbers - unknowns) / numbers;
+  const std::vector<Eigen::VectorXd> relative = relativeSigmas(solution.views, residuals, freedom_share);
+  std::vector<double> distances;
+  for (std::size_t v = 0; v < residuals.size(); ++v) {
+    residuals[v] = residuals[v] * relative[v].cwiseInverse().asDiagonal();
+    for (const double distance : residuals[v].colwise().norm()) distances.push_back(distance);
+  }
+  const double sigma = std::max(kSmallestSigma_px, sigmaOfMedian(median(distances)) / std::sqrt(freedom_share));
   Reweighting result;
   for (std::size_t v = 0; v < residuals.size(); ++v) {
-    result.weights.push_back(hampelWeights(residuals[v], sigma));
+    result.trust.push_back(hampelWeights(residuals[v], sigma));
+    result.weights.push_back(result.trust.back().cwiseQuotient(relative[v].cwiseAbs2()));
     const Eigen::VectorXd before = solution.weights.empty() ? Eigen::VectorXd::Ones(residuals[v].cols()) : solution.weights[v];
     result.largest_change = std::max(result.largest_change, (result.weights.back() - before).cwiseAbs().maxCoeff());
   }
@@ -229,6 +276,7 @@ Solution fitRobustly(const Solution& from, const Views& views, const IntrinsicsO
     Reweighting next = reweighted(solution);
     if (next.largest_change < kSettled) break;
     solution.weights = std::move(next.weights);
+    solution.trust = std::move(next.trust);
     solution.fit = refit(solution.views, solution.fit.estimate, solution.free, options.max_iterations, solution.weights);
   }
   holdWhatIsOpen(solution, options.max_iterations);

@@ -16,6 +16,7 @@ using Views = std::vector<const BoardView*>;
 struct Solution {
   Views views;
   CornerWeights weights;  ///< empty: plain least squares
+  CornerWeights trust;    ///< the share of `weights` that is from residuals
   std::vector<int> free;  ///< parameters that moved; the others are held at 0
   std::vector<int> held;  ///< coefficients that any value would fit, ascending
   BoardBundle start;      ///< focal lengths, centre and two coefficients only
@@ -35,7 +36,8 @@ struct Solution {
 Solution fitFromScratch(const Views& given, int width, int height, const IntrinsicsOptions& options);
 
 /// The same for some of the views of `from`, each corner weighted by its distance in standard deviations of the noise (Hampel's
-/// function: 1 up to 3, which one of 90 corners of normal noise exceeds, falling to 0 at 6), the noise by the median corner.
+/// function: 1 up to 3, which one of 90 corners of normal noise exceeds, falling to 0 at 6), the noise by the median corner; and by the
+/// sigmas that the views state, as IntrinsicsResult::robust says.
 Solution fitRobustly(const Solution& from, const Views& views, const IntrinsicsOptions& options);
 
 /// Residuals of a view and the weights of its corners, its pose fitted to a camera.

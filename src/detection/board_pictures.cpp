@@ -12,13 +12,16 @@ namespace {
 BoardView boardView(const ImageCorners& image, const Target& target) {
   const auto count = static_cast<Eigen::Index>(image.corners.size());
   BoardView view{image.image, Eigen::Matrix3Xd(3, count), Eigen::Matrix2Xd(2, count)};
+  Eigen::VectorXd sigmas(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Corner& corner = image.corners[static_cast<std::size_t>(i)];
     const TargetPoint* point = target.find(corner.id);
     assert(point != nullptr && "detect() names only points of its target");
     view.points.col(i) = point->p_target;
     view.pixels.col(i) = corner.px;
+    sigmas(i) = corner.sigma;
   }
+  if (sigmas.allFinite()) view.sigmas = sigmas;
   return view;
 }
 

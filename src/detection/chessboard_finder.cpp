@@ -4,6 +4,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "detection/board_saddles.hpp"
 #include "detection/corner_finder.hpp"
 #include "detection/subpixel.hpp"
 #include "poecal/core/statistics.hpp"
@@ -13,17 +14,27 @@ namespace {
 
 class ChessboardFinder : public CornerFinder {
  public:
-  explicit ChessboardFinder(const Target& target) : size_(target.cols, target.rows) {}
+  ChessboardFinder(const Target& target, bool refine) : size_(target.cols, target.rows), refine_(refine) {}
 
   FoundCorners find(const cv::Mat& grey) override {
     std::vector<cv::Point2f> corners = search(grey);
     if (corners.empty()) return {{}, {whyNot(grey)}};
     // Half a typical side keeps most of each window clear of the next corner, and the customary 11 px wherever squares allow it.
     refineSaddles(grey, corners, 0.5 * typicalSide(corners));
-    if (colourTellsEnds() && !firstSquareIsDark(grey, corners)) std::reverse(corners.begin(), corners.end());
+    bool first_is_dark = firstSquareIsDark(grey, corners);
+    if (colourTellsEnds() && !first_is_dark) {
+      std::reverse(corners.begin(), corners.end());
+      first_is_dark = true;
+    }
+    std::vector<BoardSaddle> saddles;
+    for (int k = 0; k < static_cast<int>(corners.size()); ++k) {
+      const cv::Point2d px = corners[static_cast<std::size_t>(k)];
+      saddles.push_back({k % size_.width, k / size_.width, {px.x, px.y}});
+    }
+    if (refine_) fitBoardSaddles(grey, cells_, first_is_dark ? DarkPair::kMain : DarkPair::kOther, saddles);
     FoundCorners finding;
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      finding.corners.push_back({{-1, static_cast<int>(k)}, {static_cast<double>(corners[k].x), static_cast<double>(corners[k].y)}});
+    for (int k = 0; k < static_cast<int>(saddles.size()); ++k) {
+      finding.corners.push_back({{-1, k}, saddles[static_cast<std::size_t>(k)].px, saddles[static_cast<std::size_t>(k)].sigma});
     }
     return finding;
   }
@@ -114,10 +125,14 @@ class ChessboardFinder : public CornerFinder {
   }
 
   cv::Size size_;
+  bool refine_;
+  SaddleCells cells_ = SaddleCells::chessboard();
 };
 
 }  // namespace
 
-std::unique_ptr<CornerFinder> makeChessboardFinder(const Target& target) { return std::make_unique<ChessboardFinder>(target); }
+std::unique_ptr<CornerFinder> makeChessboardFinder(const Target& target, bool refine) {
+  return std::make_unique<ChessboardFinder>(target, refine);
+}
 
 }  // namespace poecal

@@ -29,7 +29,7 @@ class CornerFinder {
 };
 
 std::unique_ptr<CornerFinder> makeAprilTagFinder(const Target& target, const DetectOptions& options);
-std::unique_ptr<CornerFinder> makeCharucoFinder(const Target& target);
-std::unique_ptr<CornerFinder> makeChessboardFinder(const Target& target);
+std::unique_ptr<CornerFinder> makeCharucoFinder(const Target& target, bool refine = true);
+std::unique_ptr<CornerFinder> makeChessboardFinder(const Target& target, bool refine = true);
 
 }  // namespace poecal

@@ -31,9 +31,9 @@ std::unique_ptr<CornerFinder> makeFinder(const Target& target, const DetectOptio
     case TargetType::kAprilGrid:
       return makeAprilTagFinder(target, options);
     case TargetType::kCharuco:
-      return makeCharucoFinder(target);
+      return makeCharucoFinder(target, options.refine);
     case TargetType::kChessboard:
-      return makeChessboardFinder(target);
+      return makeChessboardFinder(target, options.refine);
     case TargetType::kPoints:
       break;
   }

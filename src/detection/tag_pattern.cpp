@@ -1,5 +1,8 @@
 #include "detection/tag_pattern.hpp"
 
+#include <cassert>
+#include <utility>
+
 #include "detection/marker_bitmap.hpp"
 
 namespace poecal {
@@ -30,6 +33,17 @@ TagPattern::TagPattern(const std::string& family, int id, bool bare_corners, int
   for (int row = 0; row < width_; ++row) {
     for (int column = 0; column < width_; ++column) white_.push_back(bitmap.isWhite(column, row) || !isKnown(column, row) ? 1 : 0);
   }
+  tabulate();
+  setCorners(bitmap.corner_width);
+}
+
+TagPattern::TagPattern(int width, std::vector<int> white) : width_(width), white_(std::move(white)) {
+  assert(white_.size() == static_cast<std::size_t>(width * width));
+  tabulate();
+  setCorners(width);
+}
+
+void TagPattern::tabulate() {
   for (int row = 0; row <= width_; ++row) {
     for (int column = 0; column <= width_; ++column) {
       turns_.push_back(turnsOf(white(column - 1, row - 1), white(column, row - 1), white(column - 1, row), white(column, row)));
@@ -47,8 +61,11 @@ TagPattern::TagPattern(const std::string& family, int id, bool bare_corners, int
       uniform_.push_back(static_cast<std::uint16_t>(uniform));
     }
   }
-  const double low = 0.5 * (width_ - bitmap.corner_width);
-  const double high = low + bitmap.corner_width;
+}
+
+void TagPattern::setCorners(double corner_width) {
+  const double low = 0.5 * (width_ - corner_width);
+  const double high = low + corner_width;
   corners_ << low, high, high, low,  //
       high, high, low, low;
 }

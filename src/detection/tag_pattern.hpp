@@ -33,6 +33,9 @@ class TagPattern {
   /// (the squares between the tags of an aprilgrid).
   /// @param border_bits  width of the black border [cells]. @throws InvalidArgument as tagBitmap().
   TagPattern(const std::string& family, int id, bool bare_corners, int border_bits = 1);
+  /// Any square of cells, all of them known; its corners are those of its outline.
+  /// @param white  row by row from the top left, 1 white and 0 black. @pre white has width^2 numbers.
+  TagPattern(int width, std::vector<int> white);
 
   int width() const { return width_; }
   /// Column k: corner k of the contract (bottom-left, bottom-right, top-right, top-left) [cells].
@@ -60,6 +63,10 @@ class TagPattern {
   }
 
  private:
+  /// Turns and uniform cells, from what is white.
+  void tabulate();
+  void setCorners(double corner_width);
+
   // What every pixel asks for many times is here, where callers can inline it.
   static bool isInside(int column, int row, int width) {
     return static_cast<unsigned>(column) < static_cast<unsigned>(width) && static_cast<unsigned>(row) < static_cast<unsigned>(width);

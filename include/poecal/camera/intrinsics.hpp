@@ -14,8 +14,9 @@ namespace poecal {
 /// The points of a board found in one picture.
 struct BoardView {
   std::string image;
-  Eigen::Matrix3Xd points;  ///< p_target [m]
-  Eigen::Matrix2Xd pixels;  ///< [px], same columns
+  Eigen::Matrix3Xd points;                     ///< p_target [m]
+  Eigen::Matrix2Xd pixels;                     ///< [px], same columns
+  Eigen::VectorXd sigmas = Eigen::VectorXd();  ///< [px] per axis, what the detector states of each; empty: not known, all alike
 };
 
 struct IntrinsicsOptions {
@@ -75,8 +76,9 @@ struct IntrinsicsResult {
   /// Plain least squares over all usable pictures, every corner counting the same: covariance sigma_px^2 times the inverse information.
   IntrinsicsFit all;
   /// Without the pictures left out, each corner weighted by its residual (Hampel's function: 1 up to 3 standard deviations, 0 from 6 on,
-  /// these by the median corner). Its covariance is larger where whole pictures pull at the camera more than noise in their corners would
-  /// let them: boards that are not flat, a lens beyond its model.
+  /// these by the median corner) and, where all pictures state sigmas, by 1 / (sigma^2 + floor^2): floor is what all corners have beside
+  /// them, such that the median corner is as far off as said. These weights are 1 in the mean. Its covariance is larger where whole
+  /// pictures pull at the camera more than noise in their corners would let them: boards that are not flat, a lens beyond its model.
   IntrinsicsFit robust;
   bool is_robust = true;              ///< as the options said
   std::vector<ViewResidual> views;    ///< one for each picture given, in their order
@@ -93,7 +95,8 @@ struct IntrinsicsResult {
 /// The start is a scan over focal lengths with poses from OpenCV's solvePnP; the fit is Levenberg-Marquardt with analytic Jacobians,
 /// the poses eliminated by the Schur complement. Boards may be flat or not. A coefficient whose deviation is beyond what a lens may have is
 /// held at 0, unless the pictures tell it from 0. The result does not depend on the machine or on threads.
-/// @throws InvalidArgument: views whose points and pixels differ in number, a size that is not positive, options out of range.
+/// @throws InvalidArgument: views whose points, pixels and sigmas differ in number or are not finite, a size that is not positive, options
+/// out of range.
 /// @throws InsufficientData: fewer than 3 usable pictures, fewer numbers than unknowns, or a focal length or principal point that the
 /// pictures leave open (all boards parallel to the image plane).
 IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int width, int height, const IntrinsicsOptions& options);
