@@ -20,7 +20,7 @@ packages=(
 for option in "$@"; do
   case $option in
     --workflow) packages+=(snakemake) ;;
-    --ci) packages+=(chromium clang-format clang-tidy doxygen librsvg2-bin poppler-utils) ;;
+    --ci) packages+=(chromium clang-format clang-tidy doxygen librsvg2-bin man-db poppler-utils zsh) ;;
     *)
       echo "error: unknown option $option, expected --workflow or --ci" >&2
       exit 2

@@ -7,6 +7,7 @@ namespace poecal::app {
 
 std::function<int()> setUpCheck(CLI::App& app, const Common& common);
 std::function<int()> setUpCompensate(CLI::App& app, const Common& common);
+std::function<int()> setUpCompletion(CLI::App& app, const Common& common);
 std::function<int()> setUpDetect(CLI::App& app, const Common& common);
 std::function<int()> setUpDiagnose(CLI::App& app, const Common& common);
 std::function<int()> setUpEffects(CLI::App& app, const Common& common);

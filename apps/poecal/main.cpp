@@ -1,10 +1,15 @@
 // poecal: a table of commands. Each parses, loads, calls one library function, writes and returns.
 #include <fcntl.h>
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <new>
+#include <numeric>
 #include <sstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +17,7 @@
 
 #include "commands.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/core/printable.hpp"
 #include "terminal.hpp"
 
 namespace poecal::app {
@@ -37,7 +43,27 @@ constexpr Command kCommands[] = {
     {"diagnose", "find where the gap lies, which effect causes it, how much it shrinks", setUpDiagnose},
     {"fleet", "put the results of many captures into one table", setUpFleet},
     {"report", "the results of a capture as one page that opens in any browser", setUpReport},
+    {"completion", "what a shell completes, and the manual page", setUpCompletion},
 };
+
+/// Letters to change, add or take away from one word to the other (Levenshtein).
+std::size_t distanceOf(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({changed, row[j] + 1, row[j - 1] + 1}));
+    }
+  }
+  return row.back();
+}
+
+std::string nearestCommand(const std::string& word) {
+  const auto nearer = [&word](const Command& a, const Command& b) { return distanceOf(word, a.name) < distanceOf(word, b.name); };
+  return std::min_element(std::begin(kCommands), std::end(kCommands), nearer)->name;
+}
 
 int runProgram(int argc, char** argv) {
   CLI::App app{"Calibrates serial arms from pictures of a tag, and says what the model still leaves out.", "poecal"};
@@ -61,6 +87,11 @@ int runProgram(int argc, char** argv) {
     printOut(text.str());
     return status;
   } catch (const CLI::ParseError& error) {
+    const std::vector<std::string> words = app.remaining();
+    if (app.get_subcommands().empty() && !words.empty() && !words.front().starts_with("-")) {
+      throw InvalidArgument(fmt::format("'{}' is no command, did you mean {}? (--help lists them)", printableLine(words.front()),
+                                        nearestCommand(words.front())));
+    }
     throw InvalidArgument(std::string(error.what()) + " (--help shows the options)");
   }
   for (const auto& [sub, run] : commands) {

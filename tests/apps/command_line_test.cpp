@@ -42,6 +42,12 @@ TEST_F(CommandLine, HelpListsEveryCommand) {
   }
 }
 
+TEST_F(CommandLine, AnUnknownCommandNamesTheNearest) {
+  expectWrong("idnetify capture --out out", "did you mean identify?");
+  expectWrong("diagnos", "did you mean diagnose?");
+  expectWrong("--jobs 2 rum capture", "did you mean run?");
+}
+
 TEST_F(CommandLine, MistakesAreStatusTwo) {
   expectWrong("", "a command is missing");
   expectWrong("calibrate", "calibrate");
@@ -67,7 +73,8 @@ TEST_P(EachCommand, HelpShowsARun) {
 
 INSTANTIATE_TEST_SUITE_P(All, EachCommand,
                          ::testing::Values("run", "simulate", "intrinsics", "detect", "measure", "identify", "diagnose", "predict",
-                                           "compensate", "effects", "export", "fleet", "paper", "plan", "target", "new", "check", "report"),
+                                           "compensate", "effects", "export", "fleet", "paper", "plan", "target", "new", "check", "report",
+                                           "completion"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
