@@ -101,7 +101,11 @@ Eigen::MatrixXd amongAll(const Eigen::MatrixXd& covariance, const std::vector<in
   return all;
 }
 
-/// @param variance_px2  of a coordinate, that the covariance is scaled by.
+/// What corners may be off by in the same way in all pictures, as the tests of the detectors bound it [px]. No residual shows it, and the
+/// lens takes it up.
+constexpr double kCommonBias_px = 0.005;
+
+/// @param variance_px2  of a coordinate; with kCommonBias_px it scales the covariance.
 IntrinsicsFit summarise(const Solution& solution, double variance_px2) {
   IntrinsicsFit summary;
   Camera& camera = summary.camera;
@@ -112,7 +116,8 @@ IntrinsicsFit summarise(const Solution& solution, double variance_px2) {
   summary.converged = solution.fit.converged;
   summary.rms_px = std::sqrt(solution.fit.squared_error / solution.cornerCount());
   summary.sigma_px = solution.sigma();
-  summary.covariance = amongAll(variance_px2 * unitCovariance(solution.fit.information), solution.free, camera.parameterCount());
+  const double variance = variance_px2 + kCommonBias_px * kCommonBias_px;
+  summary.covariance = amongAll(variance * unitCovariance(solution.fit.information), solution.free, camera.parameterCount());
   camera.standard_deviation = summary.covariance.diagonal().cwiseSqrt();
   const std::vector<std::string> names = camera.parameterNames();
   for (const int parameter : solution.held) {

@@ -214,7 +214,8 @@ Reweighting reweighted(const Solution& solution) {
     result.trust.push_back(hampelWeights(residuals[v], sigma));
     result.weights.push_back(result.trust.back().cwiseQuotient(relative[v].cwiseAbs2()));
     const Eigen::VectorXd before = solution.weights.empty() ? Eigen::VectorXd::Ones(residuals[v].cols()) : solution.weights[v];
-    result.largest_change = std::max(result.largest_change, (result.weights.back() - before).cwiseAbs().maxCoeff());
+    const Eigen::ArrayXd change = (result.weights.back() - before).cwiseAbs();
+    result.largest_change = std::max(result.largest_change, (change / before.array().max(1.0)).maxCoeff());
   }
   return result;
 }

@@ -16,6 +16,8 @@ namespace poecal {
 namespace {
 
 constexpr int kTerms = 10;
+constexpr double kWild = 0.5;                           // [px]; more than a lens makes of neighbours, less than a fit comes back from
+constexpr double kWindowNoise = 0.1, kFitNoise = 0.02;  // [px]; of corners given, and of those fitted once
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 
 Eigen::Vector2d squaresOf(const BoardSaddle& saddle) { return {static_cast<double>(saddle.col), static_cast<double>(saddle.row)}; }
@@ -55,23 +57,8 @@ class Neighbourhood {
   }
 
   SaddleView about(std::size_t k) const {
-    constexpr int kNear = 3;                                     // [squares]
-    constexpr double kTilt = 0.05, kBend = 0.02, kTurn = 0.005;  // deviations of what a lens does within a square, in sides of it
     SaddleView view = viewOf(H_, squaresOf(saddles_[k]));
-    const double side = view.J_px_squares.colwise().norm().mean();
-    const auto prior = [&](double deviation) { return std::pow(noise_ / (deviation * side), 2.0); };
-    Eigen::Matrix<double, kTerms, kTerms> A = Eigen::Matrix<double, kTerms, kTerms>::Zero();
-    A.diagonal() << 0.0, prior(kTilt), prior(kTilt), Eigen::Vector3d::Constant(prior(kBend)), Eigen::Vector4d::Constant(prior(kTurn));
-    Eigen::Matrix<double, kTerms, 2> b = Eigen::Matrix<double, kTerms, 2>::Zero();
-    for (std::size_t n = 0; n < saddles_.size(); ++n) {
-      const double u = saddles_[n].col - saddles_[k].col, v = saddles_[n].row - saddles_[k].row;
-      if (std::max(std::abs(u), std::abs(v)) > kNear) continue;
-      Terms terms;
-      terms << 1.0, u, v, u * u, u * v, v * v, u * u * u, u * u * v, u * v * v, v * v * v;
-      A += terms * terms.transpose();
-      b += terms * left_[n].transpose();
-    }
-    const Eigen::Matrix<double, kTerms, 2> lens = A.ldlt().solve(b);
+    const Lens lens = lensAbout(k, true);
     view.px = saddles_[k].px;
     view.J_px_squares += lens.middleRows<2>(1).transpose();
     view.uu += lens.row(3).transpose();
@@ -80,7 +67,33 @@ class Neighbourhood {
     return view;
   }
 
+  /// How far a corner is from where its neighbours alone expect it [px].
+  Eigen::Vector2d strays(std::size_t k) const { return left_[k] - lensAbout(k, false).row(0).transpose(); }
+
  private:
+  using Lens = Eigen::Matrix<double, kTerms, 2>;
+
+  Lens lensAbout(std::size_t k, bool with_itself) const {
+    constexpr int kNear = 3;                                     // [squares]
+    constexpr double kTilt = 0.05, kBend = 0.02, kTurn = 0.005;  // deviations of what a lens does within a square, in sides of it
+    constexpr double kShift = 1.0;                               // likewise, of what a homography leaves
+    const double side = viewOf(H_, squaresOf(saddles_[k])).J_px_squares.colwise().norm().mean();
+    const auto prior = [&](double deviation) { return std::pow(noise_ / (deviation * side), 2.0); };
+    Eigen::Matrix<double, kTerms, kTerms> A = Eigen::Matrix<double, kTerms, kTerms>::Zero();
+    A.diagonal() << prior(kShift), prior(kTilt), prior(kTilt), Eigen::Vector3d::Constant(prior(kBend)),
+        Eigen::Vector4d::Constant(prior(kTurn));
+    Lens b = Lens::Zero();
+    for (std::size_t n = 0; n < saddles_.size(); ++n) {
+      const double u = saddles_[n].col - saddles_[k].col, v = saddles_[n].row - saddles_[k].row;
+      if (std::max(std::abs(u), std::abs(v)) > kNear || (n == k && !with_itself)) continue;
+      Terms terms;
+      terms << 1.0, u, v, u * u, u * v, v * v, u * u * u, u * u * v, u * v * v, v * v * v;
+      A += terms * terms.transpose();
+      b += terms * left_[n].transpose();
+    }
+    return A.ldlt().solve(b);
+  }
+
   const std::vector<BoardSaddle>& saddles_;
   Eigen::Matrix3d H_;
   double noise_;
@@ -101,7 +114,6 @@ using Fits = std::vector<std::optional<SaddleFit>>;
 /// A fit of each corner that can be fitted. @param before  where to start; as many as corners.
 Fits fits(const cv::Mat& grey, const SaddleCells& cells, DarkPair first, const std::vector<BoardSaddle>& saddles, const Eigen::Matrix3d& H,
           const Fits& before, int stride) {
-  constexpr double kWindowNoise = 0.1, kFitNoise = 0.02;  // [px]; of corners given, and of those fitted once
   SaddleLook usual;
   std::vector<double> blurs;
   for (const auto& fit : before) {
@@ -114,8 +126,11 @@ Fits fits(const cv::Mat& grey, const SaddleCells& cells, DarkPair first, const s
     SaddleView view = board.about(k);
     const bool same = (saddles[k].col + saddles[k].row) % 2 == 0;
     view.dark = same == (first == DarkPair::kMain) ? DarkPair::kMain : DarkPair::kOther;
-    found.push_back(fitSaddle(grey, cells, view, before[k] ? before[k]->look : usual, stride));
-    if (found.back() && !isPlausible(*found.back(), saddles[k].px)) found.back().reset();
+    const Eigen::Vector2d strays = board.strays(k);
+    const bool is_wild = strays.norm() > kWild;
+    if (is_wild) view.px -= strays;
+    found.push_back(fitSaddle(grey, cells, view, before[k] && !is_wild ? before[k]->look : usual, stride));
+    if (found.back() && !isPlausible(*found.back(), view.px)) found.back().reset();
   }
   return found;
 }
@@ -149,8 +164,15 @@ void fitBoardSaddles(const cv::Mat& grey, const SaddleCells& cells, DarkPair fir
     }
   }
   const double unfitted = sigmas.empty() ? kLeastUnfitted : std::max(kLeastUnfitted, kUnfitted * median(sigmas));
-  for (BoardSaddle& saddle : saddles) {
-    if (std::isnan(saddle.sigma)) saddle.sigma = unfitted;
+  const std::optional<Eigen::Matrix3d> H = homographyOf(saddles);
+  if (!H) return;
+  const Neighbourhood board(saddles, *H, kWindowNoise);
+  for (std::size_t k = 0; k < saddles.size(); ++k) {
+    const double strays = board.strays(k).norm();
+    if (std::isnan(saddles[k].sigma)) saddles[k].sigma = std::max(unfitted, strays);
+    // Beside glare a poor fit may be far off. A good one may be far from the others' board too, where the print is poor.
+    const bool is_poor = !sigmas.empty() && saddles[k].sigma > kUnfitted * median(sigmas);
+    if (strays > kWild && is_poor) saddles[k].sigma = std::max(saddles[k].sigma, strays);
   }
 }
 

@@ -1,7 +1,10 @@
 // What is printed about an inner corner of a chessboard or a ChArUco board.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include <Eigen/Core>

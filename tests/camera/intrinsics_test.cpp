@@ -121,6 +121,53 @@ TEST(Intrinsics, AgreesWithOpenCvOnNoisyCorners) {
   }
 }
 
+/// Corners as uncertain as they state, from 0.02 to 0.4 px, and beside that by `floor` [px].
+std::vector<BoardView> unevenly(std::vector<BoardView> views, double floor, Rng& rng) {
+  for (BoardView& view : views) {
+    view.sigmas.resize(view.points.cols());
+    for (Eigen::Index i = 0; i < view.points.cols(); ++i) {
+      view.sigmas(i) = 0.02 * std::pow(20.0, rng.uniform());
+      view.pixels.col(i) += std::hypot(view.sigmas(i), floor) * Eigen::Vector2d(rng.normal(), rng.normal());
+    }
+  }
+  return views;
+}
+
+TEST(Intrinsics, CornersWeighAsTheirSigmasSay) {
+  // Each trial's nine squared and normalised errors are 9 +- 4.2 in sum, their mean over 24 trials 1 +- 0.1.
+  constexpr int kTrials = 24;
+  constexpr double kLeast = 0.7, kMost = 1.4;
+  const Camera truth = test::plumbBobCamera();
+  for (const double floor : {0.0, 0.1}) {
+    double normalised = 0.0, weighted = 0.0, alike = 0.0;
+    for (std::uint64_t trial = 0; trial < kTrials; ++trial) {
+      Rng rng = test::rngOfThisTest(trial);
+      std::vector<BoardView> views = unevenly(test::boardScene(truth, 10, rng).views, floor, rng);
+      const IntrinsicsFit fit = calibrated(truth, views).robust;
+      const Eigen::VectorXd error = fit.camera.parameters() - truth.parameters();
+      normalised += error.dot(fit.covariance.ldlt().solve(error)) / static_cast<double>(error.size()) / kTrials;
+      weighted += error.head<4>().squaredNorm();
+      for (BoardView& view : views) view.sigmas.resize(0);
+      alike += (calibrated(truth, views).robust.camera.parameters() - truth.parameters()).head<4>().squaredNorm();
+    }
+    EXPECT_GT(normalised, kLeast) << floor;
+    EXPECT_LT(normalised, kMost) << floor;
+    // The mean of 1 / sigma^2 is 11 times the inverse of that of sigma^2, of which the loss of weight of the worst corners gains a part
+    // already; with a floor of 0.1 px little is left to gain.
+    EXPECT_LT(weighted, (floor == 0.0 ? 0.4 : 1.0) * alike) << floor;
+  }
+}
+
+TEST(Intrinsics, SigmasMustBePositiveAndAsManyAsPoints) {
+  Rng rng = test::rngOfThisTest();
+  const Camera truth = test::plumbBobCamera();
+  std::vector<BoardView> views = test::boardScene(truth, 4, rng).views;
+  views[1].sigmas = Eigen::VectorXd::Ones(3);
+  EXPECT_THAT([&] { calibrated(truth, views); }, ThrowsMessage<InvalidArgument>(HasSubstr("3 sigmas of 35 points")));
+  views[1].sigmas = Eigen::VectorXd::Zero(35);
+  EXPECT_THAT([&] { calibrated(truth, views); }, ThrowsMessage<InvalidArgument>(HasSubstr("a positive one for each")));
+}
+
 TEST(Intrinsics, ABoardThatIsNotFlatNeedsNoTilt) {
   Rng rng = test::rngOfThisTest();
   const Camera truth = test::plumbBobCamera();

@@ -140,7 +140,7 @@ std::function<int()> setUpDetect(CLI::App& app, const Common& common) {
   app.add_option("--quad-decimate", arguments->detect.quad_decimate,
                  "First look for tags in pictures reduced by this factor; edges are refined at full size")
       ->capture_default_str();
-  app.add_flag("!--no-refine", arguments->detect.refine, "Keep AprilTag's own corners: do not fit the tags to the picture");
+  app.add_flag("!--no-refine", arguments->detect.refine, "Keep the corners as they are found: do not fit tags and boards to the picture");
   app.footer(kExample);
   return [arguments, &common] { return run(*arguments, common); };
 }

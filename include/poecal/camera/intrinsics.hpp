@@ -73,7 +73,8 @@ struct ViewResidual {
 };
 
 struct IntrinsicsResult {
-  /// Plain least squares over all usable pictures, every corner counting the same: covariance sigma_px^2 times the inverse information.
+  /// Plain least squares over all usable pictures, every corner counting the same: covariance (sigma_px^2 + (0.005 px)^2) times
+  /// the inverse information. The second is what corners may be off by alike in all pictures, which no residual shows.
   IntrinsicsFit all;
   /// Without the pictures left out, each corner weighted by its residual (Hampel's function: 1 up to 3 standard deviations, 0 from 6 on,
   /// these by the median corner) and, where all pictures state sigmas, by 1 / (sigma^2 + floor^2): floor is what all corners have beside

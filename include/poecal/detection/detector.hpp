@@ -18,7 +18,7 @@ class KnownCorners;
 struct DetectOptions {
   int jobs = 0;                  ///< pictures at a time; 0: one per core
   double quad_decimate = 2.0;    ///< AprilTag looks for quads in a picture this much smaller; edges are refined in the full one
-  bool refine = true;            ///< fit AprilTag's corners to the grey values of the whole tag, where the picture supports it
+  bool refine = true;            ///< fit corners to the grey values of the whole tag, or of the squares about them on a board
   std::optional<Camera> camera;  ///< whose lens bends the edges that are fitted; nothing: edges are straight
   int expected_width = 0;        ///< 0: the size of the first picture that can be read
   int expected_height = 0;
@@ -51,13 +51,15 @@ struct DetectResult {
 /// Tags: a quick pass with quad_decimate, and where a tag of the target is missing a thorough one in the full picture.
 /// Their corners are then fitted to the picture (options.refine). Each states its sigma: the fit's, or that of AprilTag's own corners; what
 /// the fits say of blur, noise and growth is the picture's look, by the median of its tags.
-/// The only tag of an aprilgrid in a picture is left out where it cannot be fitted: black squares at its corners pull them off by pixels.
-/// An aprilgrid's tags have a black border of one or two cells: as the target states it, or whichever the picture shows.
-/// A tag id seen twice in one picture gives no corners for that id. A picture that fails alone is a note. Where nothing was seen at all but
-/// tags of another family or markers of another dictionary are there, the last note says so.
-/// A chessboard with an odd and an even number of corners starts where the square between corners 0, 1, cols and cols + 1 is dark;
-/// others look the same after half a turn and start where OpenCV starts. Where only a board of another size is seen, the note names it; a
-/// ChArUco board whose markers lie elsewhere than stated gives no corners.
+/// Chessboards and ChArUco boards: each corner is fitted to the half squares about it (options.refine) and states its sigma; one that
+/// cannot be fitted stays that of a sub-pixel window, and states five times the others' sigma or more. Without options.refine none is
+/// stated. The only tag of an aprilgrid in a picture is left out where it cannot be fitted: black squares at its corners pull them off by
+/// pixels. An aprilgrid's tags have a black border of one or two cells: as the target states it, or whichever the picture shows. A tag id
+/// seen twice in one picture gives no corners for that id. A picture that fails alone is a note. Where nothing was seen at all but tags of
+/// another family or markers of another dictionary are there, the last note says so. A chessboard with an odd and an even number of corners
+/// starts where the square between corners 0, 1, cols and cols + 1 is dark; others look the same after half a turn and start where OpenCV
+/// starts. Where only a board of another size is seen, the note names it; a ChArUco board whose markers lie elsewhere than stated gives no
+/// corners.
 /// @param known  corners found before: a picture of the same bytes with the same detectionKey() is not searched again, and what is found
 /// joins them as each picture is finished. The result is the same with and without.
 /// @throws InvalidArgument for an unknown family or dictionary, or a target of single points, which pictures do not show. FileError where
