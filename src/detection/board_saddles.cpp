@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Cholesky>
@@ -149,6 +149,7 @@ void fitBoardSaddles(const cv::Mat& grey, const SaddleCells& cells, DarkPair fir
   const std::vector<BoardSaddle> given = saddles;
   std::vector<double> sigmas;
   Fits found(saddles.size());
+  for (BoardSaddle& saddle : saddles) saddle.sigma = kLeastUnfitted;
   // The board about a corner is known as well as its neighbours are: once more with these.
   for (const bool is_rough : {true, false}) {
     const std::optional<Eigen::Matrix3d> H = homographyOf(saddles);
@@ -157,6 +158,7 @@ void fitBoardSaddles(const cv::Mat& grey, const SaddleCells& cells, DarkPair fir
     sigmas.clear();
     for (std::size_t k = 0; k < saddles.size(); ++k) {
       saddles[k] = given[k];
+      saddles[k].sigma = std::numeric_limits<double>::quiet_NaN();
       if (!found[k]) continue;
       saddles[k].px = found[k]->px;
       saddles[k].sigma = found[k]->sigma();
