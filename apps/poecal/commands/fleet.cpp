@@ -19,7 +19,7 @@ Example:
   $ poecal fleet results/* --out fleet.csv
                         nominal  registered  identified
   name       pictures        px          px          px        mm  warnings  diagnosis
-  cell-1        60/60     3.017       3.125       0.005     0.001         0  nothing
+  cell-1        60/60     2.996       3.124       0.005     0.001         0  nothing
   cell-2        80/80     3.151       3.150       0.179     0.051         0  joint_coupling at joint:6 (ratio 0.0009735, source 5); gap shrinks by 72 %
   cell-3        80/80     3.414       3.190       0.204     0.174         0  joint_backlash at joint:2 (half_gap 0.0003213 rad); gap shrinks by 79 %
   cell-4        80/80         -           -           -         -         0  -

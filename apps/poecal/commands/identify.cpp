@@ -15,9 +15,9 @@ Example:
   identified cobot6 by bundle from 60 poses
                 calibration                               held-out poses
                 px rms, mean mm and mrad of the flange
-    nominal         3.017 px      3.740 mm    7.853 mrad      3.017 px      3.740 mm    7.853 mrad
-    registered      2.776 px      3.532 mm    7.007 mrad      3.125 px      3.794 mm    7.296 mrad
-    identified      0.004 px      0.001 mm    0.011 mrad      0.005 px      0.001 mm    0.020 mrad
+    nominal         2.996 px      3.717 mm    7.019 mrad      2.996 px      3.717 mm    7.019 mrad
+    registered      2.776 px      3.535 mm    7.007 mrad      3.124 px      3.796 mm    7.295 mrad
+    identified      0.004 px      0.001 mm    0.012 mrad      0.005 px      0.001 mm    0.020 mrad
 )";
 
 }  // namespace

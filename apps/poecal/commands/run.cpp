@@ -13,13 +13,13 @@ constexpr const char* kExample = R"(
 Example:
   $ poecal run capture --out out
   registered 60 pictures: 2.776 px rms (2.776 px with every picture, 0.002 px with a free pose for each)
-    camera in base: 1.5002 0.3095 0.8944 m
+    camera in base: 1.5001 0.3095 0.8944 m
   identified cobot6 by bundle from 60 poses
                 calibration                               held-out poses
                 px rms, mean mm and mrad of the flange
-    nominal         3.017 px      3.740 mm    7.853 mrad      3.017 px      3.740 mm    7.853 mrad
-    registered      2.776 px      3.532 mm    7.007 mrad      3.125 px      3.794 mm    7.296 mrad
-    identified      0.004 px      0.001 mm    0.011 mrad      0.005 px      0.001 mm    0.020 mrad
+    nominal         2.996 px      3.717 mm    7.019 mrad      2.996 px      3.717 mm    7.019 mrad
+    registered      2.776 px      3.535 mm    7.007 mrad      3.124 px      3.796 mm    7.295 mrad
+    identified      0.004 px      0.001 mm    0.012 mrad      0.005 px      0.001 mm    0.020 mrad
   diagnosis: nothing beyond noise and geometry
   results in out, to look at: out/report.html
 )";
