@@ -16,12 +16,6 @@ std::string size(const Diagnosis& diagnosis, double value) {
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
 
-/// A probability in words: never that there is no doubt.
-std::string sureness(double probability) {
-  constexpr double kBeyondTelling = 0.999;
-  return probability >= kBeyondTelling ? "99.9 % sure or more" : percent(probability) + " sure";
-}
-
 std::string meaning(const std::string& effect) {
   if (effect == kUnknownEffect) return "structure that no listed effect explains";
   return effectKind(effect).meaning;
@@ -94,7 +88,7 @@ std::string drivenBy(const Diagnosis& diagnosis, const std::string& driver) {
 std::string findingText(const Diagnosis& diagnosis, const Finding& finding) {
   constexpr std::size_t kMostSizes = 8;
   std::string text = fmt::format("  where: {}, driven by {}\n", finding.location, drivenBy(diagnosis, finding.driver));
-  text += fmt::format("  which: {}: {} ({})\n", finding.effect, meaning(finding.effect), sureness(finding.probability));
+  text += fmt::format("  which: {}: {} ({})\n", finding.effect, meaning(finding.effect), surenessText(finding.probability));
   if (!finding.parameters.empty() && finding.parameters.size() <= kMostSizes) text += fmt::format("         {}\n", sizes(finding));
   if (finding.largest_deflection) {
     text += fmt::format("         largest deflection over these poses {:.3f} mrad\n", 1e3 * *finding.largest_deflection);
@@ -136,6 +130,13 @@ std::vector<std::string> untestedLines(const Diagnosis& diagnosis) {
 }
 
 }  // namespace
+
+std::string surenessText(double probability) {
+  constexpr double kBeyondTelling = 0.999, kNearly = 0.99;
+  if (probability >= kBeyondTelling) return "99.9 % sure or more";
+  // Whole numbers would round to no doubt.
+  return probability >= kNearly ? fmt::format("{:.1f} % sure", std::floor(1e3 * probability) / 10.0) : percent(probability) + " sure";
+}
 
 std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&) {
   std::string text;

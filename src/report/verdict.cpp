@@ -15,11 +15,6 @@ std::string length(bool pixels, double value) { return pixels ? fmt::format("{:.
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
 
-std::string sureness(double probability) {
-  constexpr double kBeyondTelling = 0.999;
-  return probability >= kBeyondTelling ? "at least 99.9 % sure" : percent(probability) + " sure";
-}
-
 /// "a", "a and b", "a, b and c"
 std::string listed(const std::vector<std::string>& parts) {
   if (parts.size() < 2) return parts.empty() ? "" : parts.front();
@@ -54,7 +49,7 @@ std::string which(const Diagnosis& diagnosis) {
   std::vector<std::string> causes;
   for (const Finding& finding : diagnosis.findings) {
     const std::string meaning = finding.effect == "unknown" ? "no listed effect explains it" : effectKind(finding.effect).meaning;
-    causes.push_back(fmt::format("{} ({}; {})", finding.effect, meaning, sureness(finding.probability)));
+    causes.push_back(fmt::format("{} ({}; {})", finding.effect, meaning, surenessText(finding.probability)));
   }
   return fmt::format("The {} {}.", causes.size() == 1 ? "cause is" : "causes are", listed(causes));
 }

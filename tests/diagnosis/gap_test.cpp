@@ -33,6 +33,13 @@ void expectNoiseBelowEveryStage(const Diagnosis& diagnosis) {
 }
 
 // What no explanation follows moves corners by some 0.3 px, three times the noise. None of it is noise of the corners.
+TEST(SurenessText, NeverSaysThatThereIsNoDoubt) {
+  EXPECT_EQ(surenessText(1.0), "99.9 % sure or more");
+  EXPECT_EQ(surenessText(0.9989), "99.8 % sure");
+  EXPECT_EQ(surenessText(0.9951), "99.5 % sure");
+  EXPECT_EQ(surenessText(0.67), "67 % sure");
+}
+
 TEST(Gap, StructureThatNothingExplainsIsNoNoise) {
   test::SmallCell small = test::smallCell(21, 60, kSigma, {});
   test::observeWith(small, 0, waves, kSigma);

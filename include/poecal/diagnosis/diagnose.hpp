@@ -150,6 +150,8 @@ Diagnosis diagnose(const Identification& identification, const Measurements& mea
 std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples);
 /// One sentence each for where, which and how far, what to do, and what could not be tested.
 std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>& samples);
+/// A probability in words, "99.1 % sure": never that there is no doubt.
+std::string surenessText(double probability);
 /// Why an effect was or was not chosen, at each of its places. @throws InvalidArgument for a name that is no effect's.
 std::string explainEffect(const Diagnosis& diagnosis, const std::string& effect);
 

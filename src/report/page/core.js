@@ -32,6 +32,7 @@ const length = (value) => figure(value) + ' ' + lengthUnit;
 /** Probabilities never claim that there is no doubt. */
 function sureness(probability) {
   if (probability >= 0.999) return '≥ 99.9 %';
+  if (probability >= 0.99) return Math.floor(1000 * probability) / 10 + ' %';  // two digits would round to no doubt
   if (probability < 0.001) return '< 0.1 %';
   return figure(100 * probability, probability >= 0.1 ? 2 : 1) + ' %';
 }
