@@ -110,6 +110,8 @@ std::string samplesTemplate(const Arm& arm) {
 
 std::vector<fs::path> createCapture(const NewCapture& given) {
   NewCapture capture = given;
+  // "x/.." is there as soon as x is made.
+  capture.folder = given.folder.lexically_normal();
   requireNewFolder(capture.folder);
   chooseEnds(capture);
   const Arm arm = readArm(capture.robot, capture.base_link, capture.tip_link);
@@ -117,7 +119,9 @@ std::vector<fs::path> createCapture(const NewCapture& given) {
   if (!capture.camera.empty()) readCameraOfPictures(capture.camera);
   if (!capture.board.empty()) readTarget(capture.board);
   std::string robot = capture.robot.filename().string();
-  if (robot == "target.yaml" || robot == "camera.yaml" || robot == "capture.yaml") robot = "robot.yaml";
+  for (const char* taken : {"target.yaml", "camera.yaml", "capture.yaml", "samples.csv", "images", "intrinsics"}) {
+    if (robot == taken) robot = isUrdf(capture.robot) ? "robot.urdf" : "robot.yaml";
+  }
   std::vector<std::pair<fs::path, std::string>> files{{robot, readTextFile(capture.robot)}, {"target.yaml", readTextFile(capture.target)}};
   if (!capture.camera.empty()) {
     files.emplace_back("camera.yaml", readTextFile(capture.camera));

@@ -1,6 +1,7 @@
 #include "poecal/calibration/outputs.hpp"
 
 #include <algorithm>
+#include <set>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -12,8 +13,12 @@
 namespace poecal {
 
 void requireOutputs(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs) {
+  std::set<std::filesystem::path> places;
   for (const std::filesystem::path& output : outputs) {
     std::error_code not_there;
+    if (!places.insert(std::filesystem::weakly_canonical(output, not_there)).second) {
+      throw InvalidArgument(fmt::format("{} is named for two results, expected a place for each", output.string()));
+    }
     const bool is_input =
         std::any_of(inputs.begin(), inputs.end(), [&](const auto& input) { return std::filesystem::equivalent(input, output, not_there); });
     if (is_input) throw InvalidArgument(fmt::format("{} is an input itself, expected another place for the result", output.string()));

@@ -13,7 +13,10 @@ namespace {
 
 /// A deviation, which may be without bound (.inf): nothing is known there.
 double deviation(const YamlNode& node) {
-  return !node.isSequence() && !node.isMap() && node.text() == ".inf" ? std::numeric_limits<double>::infinity() : node.positive();
+  if (!node.isSequence() && !node.isMap() && node.text() == ".inf") return std::numeric_limits<double>::infinity();
+  const double sigma = node.positive();
+  if (sigma < KnownTransform::kFixed) node.fail(fmt::format("is {}, expected {} or more, or 'fixed: true'", sigma, KnownTransform::kFixed));
+  return sigma;
 }
 
 /// One number for all axes, or one for each.

@@ -169,14 +169,16 @@ void order(const PlanningCell& cell, const std::vector<Sample>& chosen, Plan& pl
 }  // namespace
 
 void PlanOptions::validate() const {
+  constexpr double kLargestSize = 1e6;  // of no effect on any machine, in any of their units
   if (count < 1) throw InvalidArgument(fmt::format("count is {}, expected at least 1", count));
   if (candidates < count)
     throw InvalidArgument(fmt::format("candidates is {}, expected at least the {} poses of the plan", candidates, count));
   if (!(link_radius >= 0.0)) throw InvalidArgument(fmt::format("link_radius is {}, expected 0 or more", link_radius));
   if (!(camera_radius >= 0.0)) throw InvalidArgument(fmt::format("camera_radius is {}, expected 0 or more", camera_radius));
+  if (!std::isfinite(link_radius) || !std::isfinite(camera_radius)) throw InvalidArgument("link_radius and camera_radius must be finite");
   if (!(odds > 1.0)) throw InvalidArgument(fmt::format("odds is {}, expected more than 1", odds));
-  if (aim == PlanAim::kDetect && !(detect_size > 0.0))
-    throw InvalidArgument(fmt::format("detect_size is {}, expected more than 0", detect_size));
+  if (aim == PlanAim::kDetect && !(detect_size > 0.0 && detect_size < kLargestSize))
+    throw InvalidArgument(fmt::format("detect_size is {}, expected more than 0 and below {}", detect_size, kLargestSize));
 }
 
 Plan planPoses(const PlanningCell& cell, const PlanOptions& options) {

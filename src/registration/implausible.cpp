@@ -39,6 +39,8 @@ FileError fileErrorOf(const ImplausibleInput& suspicion, const Capture& capture)
       return {named("camera"), 0, suspicion.what()};
     case InputPart::kDetections:
       return {capture.detections_file.empty() ? named("target") : capture.detections_file, 0, suspicion.what()};
+    case InputPart::kRegistration:
+      return {capture.registration_file.empty() ? manifest : capture.registration_file, 0, suspicion.what()};
     case InputPart::kManifest:
       break;
   }
@@ -46,7 +48,9 @@ FileError fileErrorOf(const ImplausibleInput& suspicion, const Capture& capture)
 }
 
 FileError fileErrorOf(const ImplausibleInput& suspicion, const PoseTable& table) {
-  const std::string message = partOf(suspicion) == InputPart::kRobot ? std::string("the robot: ") + suspicion.what() : suspicion.what();
+  const InputPart part = partOf(suspicion);
+  const char* of = part == InputPart::kRobot ? "the robot: " : part == InputPart::kRegistration ? "the known registration: " : "";
+  const std::string message = std::string(of) + suspicion.what();
   return {table.file, lineOf(suspicion, [&](std::size_t k) { return table.poses.at(k).sample.line; }), message};
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "poecal/geometry/se3.hpp"
+#include "poecal/registration/implausible.hpp"
 
 namespace poecal {
 namespace {
@@ -59,7 +60,13 @@ std::vector<std::string> weighInKnown(const Cell& known, const std::vector<Obser
   Cell start = found.fit.cell;
   start.registration.known_near = stated.known_near;
   start.registration.known_far = stated.known_far;
+  const double by_itself = found.misfit;
   found = fitted(start, found.closed_form, observations, samples, robust);
+  // A loose arm that is still nominal misses by some times more where it may not shift; a transform in other units by thousands of times.
+  constexpr double kFarWorse = 10.0;
+  if (!contradictions.empty() && !(found.misfit < kFarWorse * by_itself)) {
+    throw ImplausibleCapture(contradictions.front(), InputPart::kRegistration);
+  }
   return contradictions;
 }
 

@@ -17,6 +17,7 @@ Consensus consensusAsKnown(const Cell& cell, const std::vector<Observation>& obs
 
 /// Fits once more with what is known of the transforms. @param known  the cell whose registration says so.
 /// @return what the poses contradict, one sentence each: a transform that they put clearly elsewhere than it is said to be.
+/// @throws ImplausibleCapture where the poses fit far worse for it: they are then of another cell, or in other units.
 std::vector<std::string> weighInKnown(const Cell& known, const std::vector<Observation>& observations,
                                       const std::vector<HypothesisSample>& samples, bool robust, Consensus& found);
 

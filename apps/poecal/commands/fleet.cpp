@@ -82,15 +82,16 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
   return [options, &common] {
     std::vector<std::filesystem::path> inputs;
     for (const std::filesystem::path& folder : options->folders) {
-      for (const char* name : {"registration.yaml", "identification.json", "diagnosis.json"}) inputs.push_back(folder / name);
+      for (const char* name : {"registration.yaml", "identification.json", "diagnosis.json", "model.yaml", "camera.yaml", "detections.csv",
+                               "flange_poses.csv"}) {
+        inputs.push_back(folder / name);
+      }
+      for (const std::filesystem::path& file : reportFiles(folder)) inputs.push_back(file);
     }
     std::vector<std::filesystem::path> outputs{options->out};
     if (!options->page.empty()) {
       requireReport();
       outputs.push_back(options->page);
-      for (const std::filesystem::path& folder : options->folders) {
-        for (const std::filesystem::path& file : reportFiles(folder)) inputs.push_back(file);
-      }
     }
     requireOutputs(outputs, inputs);
     std::vector<ResultSummary> results;

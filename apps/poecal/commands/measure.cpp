@@ -12,7 +12,7 @@ constexpr const char* kExample = R"(
 Example:
   $ poecal measure capture --out out
   registered 60 pictures: 2.776 px rms (2.776 px with every picture, 0.002 px with a free pose for each)
-    camera in base: 1.5001 0.3095 0.8944 m
+    camera in base: 1.5002 0.3093 0.8945 m
 )";
 
 }  // namespace

@@ -13,14 +13,20 @@ constexpr const char* kExample = R"(
 Example:
   $ poecal run capture --out out
   registered 60 pictures: 2.776 px rms (2.776 px with every picture, 0.002 px with a free pose for each)
-    camera in base: 1.5001 0.3095 0.8944 m
+    camera in base: 1.5002 0.3093 0.8945 m
   identified cobot6 by bundle from 60 poses
                 calibration                               held-out poses
                 px rms, mean mm and mrad of the flange
-    nominal         2.996 px      3.717 mm    7.019 mrad      2.996 px      3.717 mm    7.019 mrad
-    registered      2.776 px      3.535 mm    7.007 mrad      3.124 px      3.796 mm    7.295 mrad
-    identified      0.004 px      0.001 mm    0.012 mrad      0.005 px      0.001 mm    0.020 mrad
-  diagnosis: nothing beyond noise and geometry
+    nominal         3.067 px      3.978 mm    7.894 mrad      3.067 px      3.978 mm    7.894 mrad
+    registered      2.776 px      3.540 mm    6.798 mrad      3.133 px      3.806 mm    7.070 mrad
+    identified      0.112 px      0.068 mm    1.239 mrad      0.126 px      0.085 mm    1.405 mrad
+    ...
+  diagnosis: 1 finding
+    where: joint:6, driven by q5
+    which: joint_coupling: another joint's motion leaks into this one (99.9 % sure or more)
+           ratio 0.001004 +- 1.8e-06, source 5
+    how far: the gap shrinks by 99 % (98 % to 99 %)
+    ...
   results in out, to look at: out/report.html
 )";
 

@@ -9,7 +9,8 @@
 namespace poecal {
 
 /// Called before any work is done.
-/// @throws InvalidArgument where a result would replace an input, by whatever name: another path, a symbolic or a hard link. FileError
+/// @throws InvalidArgument where a result would replace an input, by whatever name: another path, a symbolic or a hard link, or where two
+/// results have one place. FileError
 /// where something is in its place that no result must replace (a folder, a device, a link).
 void requireOutputs(const std::vector<std::filesystem::path>& outputs, const std::vector<std::filesystem::path>& inputs);
 

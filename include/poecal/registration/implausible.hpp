@@ -11,7 +11,7 @@
 namespace poecal {
 
 /// The files of a capture; kSamples is poses.csv where poses of an instrument are read.
-enum class InputPart { kSamples, kRobot, kTarget, kCamera, kManifest, kDetections };
+enum class InputPart { kSamples, kRobot, kTarget, kCamera, kManifest, kDetections, kRegistration };
 
 /// What the search over mistakes suspects.
 class ImplausibleCapture : public ImplausibleInput {
