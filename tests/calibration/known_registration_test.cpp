@@ -47,7 +47,8 @@ TEST(KnownRegistration, BothLimits) {
   Cell wide = start;
   wide.registration.known_near = {.T = start.registration.T_camera_near, .sigma = Vector6d::Constant(1e3)};
   const Adjustment known_widely = adjust(wide, measurements.observations, options);
-  EXPECT_TRUE(known_widely.cell.registration.T_camera_near.isApprox(free.cell.registration.T_camera_near, 1e-7));
+  // The zero of a joint may stand for a turn of the transform, so that what is compared is what both say of the pictures.
+  EXPECT_NEAR(known_widely.chi_square, free.chi_square, 1e-9 * free.chi_square);
   Cell fixed = start;
   fixed.registration.known_near = fixedAt(start.registration.T_camera_near);
   const Adjustment kept = adjust(fixed, measurements.observations, options);
