@@ -14,10 +14,6 @@
 #include "support/random.hpp"
 #include "support/temp_folder.hpp"
 
-// urdfdom holds the links of a ring by each other and lets them go no more.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:liburdfdom_model\n"; }
-
 namespace poecal {
 namespace {
 
