@@ -1,7 +1,6 @@
 #include "capture/sample_columns.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/numbered.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/geometry/se3.hpp"
 
@@ -16,16 +16,6 @@ namespace poecal {
 namespace {
 
 constexpr double kLimitSlack = 0.05;  // of a joint's range: limits in files are rounded, and controllers let arms pass them a little
-
-/// K of a column "prefixK", nothing for other names.
-std::optional<int> numberAfter(const std::string& name, const std::string& prefix) {
-  if (!name.starts_with(prefix)) return std::nullopt;
-  int number = 0;
-  const char* end = name.data() + name.size();
-  const auto [stop, error] = std::from_chars(name.data() + prefix.size(), end, number);
-  if (error != std::errc() || stop != end || number < 0) return std::nullopt;
-  return number;
-}
 
 /// Columns prefix1 .. prefixN, or none.
 std::vector<std::size_t> numberedColumns(const CsvTable& table, const std::string& prefix, int joint_count) {

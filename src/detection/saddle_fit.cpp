@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include "detection/gram_sum.hpp"
+#include "detection/residual_noise.hpp"
 
 namespace poecal {
 namespace {
@@ -23,11 +24,9 @@ using Step = Eigen::Matrix<double, kParameters, 1>;
 using Rows = GramSum<kColumns, 4>;
 using Light = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kEdgeReach = 2.5;      // [blurs]; what an edge tells falls as exp(-d^2), to 0.2 % here
-constexpr double kHiddenReach = 3.0;    // [blurs]; 0.1 % of what lies beyond is mixed in
-constexpr double kInliers = 3.0;        // [noises]
-constexpr double kSmallestNoise = 0.3;  // [grey levels]; that of rounding to whole ones
-constexpr double kReach = 0.5;          // [squares]
+constexpr double kEdgeReach = 2.5;    // [blurs]; what an edge tells falls as exp(-d^2), to 0.2 % here
+constexpr double kHiddenReach = 3.0;  // [blurs]; 0.1 % of what lies beyond is mixed in
+constexpr double kReach = 0.5;        // [squares]
 
 struct SaddlePixel {
   TagView view;
@@ -249,13 +248,9 @@ class Fit {
   }
 
   void measureResiduals() {
-    const auto middle = residuals_.begin() + static_cast<std::ptrdiff_t>(residuals_.size() / 2);
-    std::nth_element(residuals_.begin(), middle, residuals_.end());
-    constexpr double kNormalByMedian = 1.4826;
-    look_.noise = std::max(kSmallestNoise, kNormalByMedian * *middle);
-    const double limit = kInliers * look_.noise;
-    const auto wild = std::count_if(residuals_.begin(), residuals_.end(), [limit](double r) { return r > limit; });
-    outliers_ = static_cast<double>(wild) / static_cast<double>(residuals_.size());
+    const ResidualNoise measured = residualNoise(residuals_);
+    look_.noise = measured.noise;
+    outliers_ = measured.outliers;
   }
 
   const cv::Mat& grey_;

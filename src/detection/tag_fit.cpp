@@ -12,6 +12,7 @@
 #include "detection/edge_pixels.hpp"
 #include "detection/gram_sum.hpp"
 #include "detection/line_tally.hpp"
+#include "detection/residual_noise.hpp"
 #include "detection/tag_appearance.hpp"
 
 namespace poecal {
@@ -23,9 +24,6 @@ constexpr int kBlur = 8, kKurtosis = 9, kGrowth = 10, kBlack = 11, kContrast = 1
 using Step = Eigen::Matrix<double, kParameters, 1>;
 using Rows = GramSum<kParameters + 1, 6>;
 using Light = Eigen::Matrix<double, 6, 1>;
-
-constexpr double kInliers = 3.0;        // [noises]
-constexpr double kSmallestNoise = 0.3;  // [grey levels]; that of rounding to whole ones
 
 struct State {
   TagCorners straight;  ///< corners behind the lens
@@ -209,12 +207,9 @@ class Fit {
   }
 
   void measureResiduals() {
-    const auto middle = residuals_.begin() + static_cast<std::ptrdiff_t>(residuals_.size() / 2);
-    std::nth_element(residuals_.begin(), middle, residuals_.end());
-    constexpr double kNormalByMedian = 1.4826;
-    noise_ = std::max(kSmallestNoise, kNormalByMedian * *middle);
-    const auto wild = std::count_if(residuals_.begin(), residuals_.end(), [this](double r) { return r > kInliers * noise_; });
-    outliers_ = static_cast<double>(wild) / static_cast<double>(residuals_.size());
+    const ResidualNoise measured = residualNoise(residuals_);
+    noise_ = measured.noise;
+    outliers_ = measured.outliers;
   }
 
   const cv::Mat& grey_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/numbered.hpp"
 #include "effects/shapes.hpp"
 #include "poecal/core/error.hpp"
 
@@ -20,15 +20,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<const char*, 6> kAxes = {"rx", "ry", "rz", "tx", "ty", "tz"};
-
-/// K of "q3" for the prefix "q"; nothing where the driver is no such word.
-std::optional<Eigen::Index> numberAfter(const std::string& driver, const std::string& prefix) {
-  if (!driver.starts_with(prefix)) return {};
-  Eigen::Index number = 0;
-  const char* end = driver.data() + driver.size();
-  const auto [rest, status] = std::from_chars(driver.data() + prefix.size(), end, number);
-  return status == std::errc() && rest == end && number > 0 ? std::optional(number) : std::nullopt;
-}
 
 std::string driverUnit(DriverKind driver) {
   switch (driver) {
@@ -51,9 +42,9 @@ std::vector<EffectParameter> range(const Driver& driver) {
 
 /// How many of "c1", "c2", ... are given, up to the last.
 int lastOf(const std::string& prefix, const std::map<std::string, double>& given) {
-  Eigen::Index last = 0;
+  int last = 0;
   for (const auto& [name, value] : given) last = std::max(last, numberAfter(name, prefix).value_or(0));
-  return static_cast<int>(last);
+  return last;
 }
 
 /// Both factors of every wave of several angles that is named; none where none is.

@@ -1,20 +1,20 @@
 #include "poecal/effects/place.hpp"
 
+#include <algorithm>
 #include <array>
-#include <charconv>
+#include <string_view>
 
 #include <fmt/format.h>
+
+#include "core/numbered.hpp"
 
 namespace poecal {
 namespace {
 
 /// Index from 0 of "q3" for the prefix "q"; nothing where `word` is no such word.
-std::optional<std::size_t> indexAfter(const std::string& word, const std::string& prefix) {
-  if (!word.starts_with(prefix)) return {};
-  std::size_t number = 0;
-  const char* end = word.data() + word.size();
-  const auto [rest, status] = std::from_chars(word.data() + prefix.size(), end, number);
-  return status == std::errc() && rest == end && number > 0 ? std::optional(number - 1) : std::nullopt;
+std::optional<std::size_t> indexAfter(std::string_view word, std::string_view prefix) {
+  const int number = numberAfter(word, prefix).value_or(0);
+  return number > 0 ? std::optional(static_cast<std::size_t>(number - 1)) : std::nullopt;
 }
 
 constexpr std::array<std::pair<const char*, DriverKind>, 6> kWords = {{{"dq", DriverKind::kVelocity},
