@@ -124,7 +124,8 @@ std::vector<Mistake> unitMistakes(const Problem& problem) {
     mistakes.push_back({"the target's size looks like millimetres, expected metres", InputPart::kTarget, target(1e-3)});
     mistakes.push_back({"the target's size looks like centimetres, expected metres", InputPart::kTarget, target(1e-2)});
     mistakes.push_back({"the target's size looks like inches, expected metres", InputPart::kTarget, target(0.0254)});
-    mistakes.push_back({"the target's size looks 1000 times too small (kilometres?)", InputPart::kTarget, target(1e3)});
+    // Beside poses it would be those that are in millimetres.
+    if (problem.cell.arm) mistakes.push_back({"the target's size looks 1000 times too small", InputPart::kTarget, target(1e3)});
   }
   return mistakes;
 }
@@ -158,33 +159,6 @@ std::vector<Mistake> lensMistakes(const Problem& problem) {
          changed.cell.camera = adjust(found->fit.cell, changed.observations, options).cell.camera;
          renewPictures(changed);
        }});
-  return mistakes;
-}
-
-std::vector<Mistake> cornerMistakes(const Problem& problem) {
-  std::vector<Mistake> mistakes;
-  if (problem.observations.front().pose || problem.observations.front().corners.front().id.tag < 0) return mistakes;
-  std::array<int, 4> order{0, 1, 2, 3};
-  while (std::next_permutation(order.begin(), order.end())) {
-    mistakes.push_back({fmt::format("the corners of the tags look to be in another order: 0, 1, 2, 3 are {}, {}, {}, {}", order[0],
-                                    order[1], order[2], order[3]),
-                        InputPart::kDetections, [order](Problem& changed) {
-                          for (Observation& observation : changed.observations) {
-                            std::map<PointId, Eigen::Vector3d> points;
-                            for (const CornerMeasurement& corner : observation.corners) points[corner.id] = corner.p_target;
-                            std::erase_if(observation.corners, [&](CornerMeasurement& corner) {
-                              const int place = corner.id.corner;
-                              if (place < 0 || place > 3) return true;
-                              corner.id.corner = order[static_cast<std::size_t>(place)];
-                              const auto point = points.find(corner.id);
-                              if (point == points.end()) return true;
-                              corner.p_target = point->second;
-                              return false;
-                            });
-                          }
-                          renewPictures(changed);
-                        }});
-  }
   return mistakes;
 }
 

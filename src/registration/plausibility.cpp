@@ -50,11 +50,17 @@ constexpr double kMends = 0.3;
 constexpr double kMendedOfChance = 0.15;
 // With the arm's axes free, what is left is the pictures' and what the arm has besides its geometry.
 constexpr double kMendsCalibrated = 0.2;
+// An arm that deviates by more sigma of a loose arm than this is looked at for a mistake, whatever its fit explains.
+constexpr double kOtherArm = 3.0;
 // Times the pictures' own floor: within it there is nothing to explain.
 constexpr double kNothing = 3.0;
 // Rows beside the pictures of others: beyond so many times the median, of so many rows.
 constexpr double kBeside = 5.0;
 constexpr double kManyBeside = 0.2;
+// Of two mistakes that explain a capture.
+constexpr double kClearlyBetter = 0.7;
+constexpr double kFarBetter = 0.5;
+constexpr double kAsGood = 1.1;
 constexpr std::size_t kRows = 40;
 constexpr std::size_t kRefined = 12;
 
@@ -63,7 +69,8 @@ struct Suspicion {
   InputPart part = InputPart::kSamples;
   std::optional<std::size_t> sample;
   double misfit = 0.0, calibrated = 0.0;
-  std::string left;  ///< misfit with its unit
+  std::string left;   ///< misfit with its unit
+  std::string other;  ///< another mistake that explains as much
 };
 
 /// "0.11 px", or of poses "0.05 mm".
@@ -89,16 +96,18 @@ std::vector<Mistake> mistakesOf(const Problem& few, const std::vector<Observatio
 Suspicion suspicionOf(const MispairedRows& rows, const Problem& few) {
   const bool poses = few.observations.front().pose.has_value();
   return {rows.text,   InputPart::kSamples, rows.sample,
-          rows.misfit, rows.misfit,         fmt::format("{:.4g} {}", rows.misfit, poses ? "of their deviations" : "px")};
+          rows.misfit, rows.misfit,         fmt::format("{:.4g} {}", rows.misfit, poses ? "of their deviations" : "px"),
+          ""};
 }
 
 /// The search over single mistakes in one capture.
 class MistakeSearch {
  public:
   MistakeSearch(const Problem& few, const Registration& registration, double misfit, double chance)
-      : few_(few), misfit_(misfit), chance_(chance), calibrated_(calibratedMisfit(few, registration)) {}
+      : few_(few), misfit_(misfit), chance_(chance), calibrated_(calibrate(few, registration)) {}
 
-  double calibrated() const { return calibrated_; }
+  /// The arm's own errors explain everything, down to such a misfit.
+  bool armExplains(double misfit) const { return calibrated_.misfit <= misfit && calibrated_.deviation <= kOtherArm; }
 
   /// Every mistake by its hypotheses alone; the best of them adjusted.
   void tryAll(const std::vector<Mistake>& mistakes) {
@@ -158,21 +167,27 @@ class MistakeSearch {
     const std::optional<Consensus> found = solve(altered, 2);
     if (!found || !(found->misfit < misfit_)) return;
     const Registration& registration = found->fit.cell.registration;
-    const double calibrated = calibratedMisfit(altered, registration);
-    const bool arm_explains_rest =
-        few_.cell.arm && std::isfinite(calibrated) && calibrated <= kMendsCalibrated * calibrated_ && calibrated <= kSuspicious * chance_;
+    const double calibrated = calibrate(altered, registration).misfit;
+    const bool arm_explains_rest = few_.cell.arm && std::isfinite(calibrated) && calibrated <= kMendsCalibrated * calibrated_.misfit &&
+                                   calibrated <= kSuspicious * chance_;
     if (!explains(found->misfit) && !arm_explains_rest) return;
-    keep({text, part, std::nullopt, found->misfit, calibrated, leftText(altered, registration, found->misfit)});
+    keep({text, part, std::nullopt, found->misfit, calibrated, leftText(altered, registration, found->misfit), ""});
   }
 
-  /// The earlier one stays unless another is clearly better.
+  /// The earlier one stays unless another is clearly better: by what is left with the arm's errors taken out, and among equals before that.
   void keep(Suspicion suspicion) {
     const auto left = [&](const Suspicion& one) { return few_.cell.arm ? one.calibrated : one.misfit; };
-    if (!best_ || left(suspicion) < 0.7 * left(*best_)) best_ = std::move(suspicion);
+    const bool as_good = best_ && left(suspicion) <= kAsGood * left(*best_);
+    if (!best_ || left(suspicion) < kClearlyBetter * left(*best_) || (as_good && suspicion.misfit < kFarBetter * best_->misfit)) {
+      best_ = std::move(suspicion);
+    } else if (as_good && suspicion.misfit < kAsGood * best_->misfit && best_->other.empty()) {
+      best_->other = suspicion.text;
+    }
   }
 
   const Problem& few_;
-  double misfit_, chance_, calibrated_;
+  double misfit_, chance_;
+  Calibrated calibrated_;
   std::optional<Suspicion> best_;
 };
 
@@ -184,7 +199,8 @@ double shareBeside(const Consensus& found, const std::vector<HypothesisSample>& 
 }
 
 [[noreturn]] void refuse(const Suspicion& suspicion, const std::string& stated) {
-  throw ImplausibleCapture(fmt::format("{} (put right, it fits to {} instead of {})", suspicion.text, suspicion.left, stated),
+  const std::string other = suspicion.other.empty() ? "" : fmt::format("; as likely: {}", suspicion.other);
+  throw ImplausibleCapture(fmt::format("{} (put right, it fits to {} instead of {}{})", suspicion.text, suspicion.left, stated, other),
                            suspicion.part, suspicion.sample);
 }
 
@@ -216,7 +232,7 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
     return;
   }
   MistakeSearch search(few, found.fit.cell.registration, found.misfit, chance);
-  if (cell.arm && std::isfinite(found.misfit) && search.calibrated() <= std::max(floor, 0.25 * kSuspicious * chance)) return;
+  if (cell.arm && std::isfinite(found.misfit) && search.armExplains(std::max(floor, 0.25 * kSuspicious * chance))) return;
   if (mispaired) search.considerRows(*mispaired);
   search.tryAll(mistakesOf(few, observations));
   search.trySizes();

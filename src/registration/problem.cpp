@@ -108,20 +108,25 @@ double quickMisfit(const Problem& problem) {
   return found.empty() ? std::numeric_limits<double>::infinity() : found.front().score;
 }
 
-double calibratedMisfit(const Problem& problem, const Registration& start) {
+Calibrated calibrate(const Problem& problem, const Registration& start) {
   Cell cell = problem.cell;
   cell.registration = start;
   AdjustmentOptions options = registrationAdjustment(true);
+  Calibrated result;
   if (cell.arm) {
     options.free.twists = true;
     options.twists = TwistPrior(*cell.arm, kLoosePosition, kLooseRotation);
     options.max_iterations = 30;
-    cell = adjust(cell, problem.observations, options).cell;
+    Adjustment adjustment = adjust(cell, problem.observations, options);
+    cell = std::move(adjustment.cell);
+    const Eigen::VectorXd& beta = adjustment.beta;
+    result.deviation = std::sqrt(beta.dot(options.twists.precision * beta) / static_cast<double>(beta.size()));
   }
   Problem calibrated = problem;
   calibrated.cell = cell;
   renewPoses(calibrated);
-  return medianMisfit(cell.registration, calibrated.samples, misfitIn(calibrated.cell, calibrated.observations));
+  result.misfit = medianMisfit(cell.registration, calibrated.samples, misfitIn(calibrated.cell, calibrated.observations));
+  return result;
 }
 
 double chanceMisfit(const Problem& problem) {

@@ -35,9 +35,12 @@ std::optional<Consensus> solve(const Problem& problem, std::size_t refined);
 /// The median misfit of the best hypothesis before any adjustment; infinity where there is none.
 double quickMisfit(const Problem& problem);
 
-/// Median misfit with the arm's axes free within wide tolerances, started from a registration: what an arm's errors cannot explain. Without
-/// an arm it is the registration's.
-double calibratedMisfit(const Problem& problem, const Registration& start);
+/// A registration with the arm's axes free within the tolerances of a loose arm. Without an arm it is the registration itself.
+struct Calibrated {
+  double misfit = 0.0;     ///< median; what an arm's errors cannot explain
+  double deviation = 0.0;  ///< of the arm from its nominal, rms in 1 sigma of a loose arm: 1 is usual
+};
+Calibrated calibrate(const Problem& problem, const Registration& start);
 
 /// What is left where readings and pictures have nothing to do with each other: median over some random pairings.
 double chanceMisfit(const Problem& problem);

@@ -15,6 +15,7 @@
 #include "registration/known_transforms.hpp"
 #include "registration/lens_and_size.hpp"
 #include "registration/plausibility.hpp"
+#include "registration/target_fit.hpp"
 
 namespace poecal {
 namespace {
@@ -221,6 +222,13 @@ double keptShare(const std::vector<double>& unit_weights) { return unit_weights.
 RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>& observations, const RegistrationOptions& options) {
   if (!cell.camera) throw InvalidArgument("registration from corners needs a camera");
   const std::vector<HypothesisSample> hypotheses = hypothesisSamples(cell, observations);
+  if (mirroredShare(observations) > 0.5) {
+    throw ImplausibleCapture(
+        "the corners of most tags run clockwise in the picture, as of a flipped (mirrored) tag, or with u and v exchanged: expected "
+        "the order bottom-left, bottom-right, top-right, top-left of the upright tag seen from its front",
+        InputPart::kDetections);
+  }
+  requireTargetFits(cell, observations, hypotheses);
   const std::size_t usable = differentPoses(hypotheses, 3);
   if (usable < 3) {
     throw InsufficientData(
@@ -228,13 +236,6 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   }
   const bool both_known = knowsBoth(cell.registration);
   if (!both_known) requireTurning(cell, observations);
-  if (mirroredShare(observations) > 0.5) {
-    throw ImplausibleCapture(
-        "the corners of most tags run clockwise in the picture, as of a flipped (mirrored) tag: expected the order bottom-left, "
-        "bottom-right, "
-        "top-right, top-left of the upright tag seen from its front",
-        InputPart::kDetections);
-  }
 
   RegistrationResult result;
   Consensus found = both_known

@@ -35,6 +35,15 @@ Spoil ofRotations(std::function<Eigen::Matrix3d(const Eigen::Matrix3d&)> spoil) 
   });
 }
 
+Spoil ofCorners(std::function<void(CornerMeasurement&, const std::vector<CornerMeasurement>&)> spoil) {
+  return [spoil](MadeCapture& capture) {
+    for (Observation& observation : capture.observations) {
+      const std::vector<CornerMeasurement> right = observation.corners;
+      for (CornerMeasurement& corner : observation.corners) spoil(corner, right);
+    }
+  };
+}
+
 /// From row `begin` on each row has the reading of `by` rows before.
 Spoil shiftedRows(std::size_t begin, std::size_t by) {
   return [begin, by](MadeCapture& capture) {
@@ -96,6 +105,10 @@ void addOfJoints(const Arm& arm, std::vector<std::tuple<std::string, std::string
   }
   list.emplace_back("exchanged", "q2 and q4 are exchanged", ofReadings([](Eigen::VectorXd& q) { std::swap(q(1), q(3)); }));
   list.emplace_back("zero", "the zero of q2 is off by 90 degrees", ofReadings([](Eigen::VectorXd& q) { q(1) += M_PI_2; }));
+  list.emplace_back("reverse", "reverse order", ofReadings([](Eigen::VectorXd& q) { q.reverseInPlace(); }));
+  if (arm.jointCount() > 4) {  // the last joint's zero is the tool's
+    list.emplace_back("half a turn", "q4 is off by 180 degrees", ofReadings([revolute](Eigen::VectorXd& q) { q(3) += M_PI; }));
+  }
   list.emplace_back("robot in mm", "millimetres", sizedArm(1e3));
 }
 
@@ -109,6 +122,10 @@ void addOfPoses(std::vector<std::tuple<std::string, std::string, Spoil>>& list) 
                       return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
                     }));
   list.emplace_back("conjugate", "conjugate", ofRotations([](const Eigen::Matrix3d& R) { return Eigen::Matrix3d(R.transpose()); }));
+  list.emplace_back("yaw first", "taken for yaw, pitch, roll", ofRotations([](const Eigen::Matrix3d& R) {
+                      const Eigen::Vector3d a = R.eulerAngles(2, 1, 0);
+                      return Eigen::Matrix3d(expSo3({0, 0, a.z()}) * expSo3({0, a.y(), 0}) * expSo3({a.x(), 0, 0}));
+                    }));
   list.emplace_back("inverted", "inverted", ofPoses([](const Eigen::Isometry3d& T) { return T.inverse(); }));
   list.emplace_back("rotation vectors", "rotation vectors that were taken for roll, pitch, yaw", ofRotations([](const Eigen::Matrix3d& R) {
                       const Eigen::Vector3d a = logSo3(R);
@@ -122,8 +139,27 @@ void addOfPictures(const MadeCapture& good, std::vector<std::tuple<std::string, 
   list.emplace_back("setup", std::string("looks like setup: ") + setupName(setup),
                     [other](MadeCapture& capture) { capture.told.registration.setup = other; });
   list.emplace_back("target in mm", "millimetres", sizedTarget(1e3));
-  list.emplace_back("margin", "0.8", sizedTarget(1.25));
+  list.emplace_back("margin", "white margin", sizedTarget(1.25));
   list.emplace_back("small tag", "1.", sizedTarget(0.7));
+  list.emplace_back("corners turned", "another order", ofCorners([](CornerMeasurement& c, const std::vector<CornerMeasurement>& all) {
+                      for (const CornerMeasurement& one : all) {
+                        if (one.id.tag == c.id.tag && one.id.corner == (c.id.corner + 1) % 4) c.px = one.px;
+                      }
+                    }));
+  list.emplace_back("corners the other way round", "clockwise",
+                    ofCorners([](CornerMeasurement& c, const std::vector<CornerMeasurement>& all) {
+                      for (const CornerMeasurement& one : all) {
+                        if (one.id.tag == c.id.tag && one.id.corner == 3 - c.id.corner) c.px = one.px;
+                      }
+                    }));
+  list.emplace_back("other spacing", "times as far apart", ofCorners([](CornerMeasurement& c, const auto&) {
+                      if (c.id.tag == 1) c.p_target.x() += 0.03;
+                    }));
+  list.emplace_back("right to left", "from right to left",
+                    ofCorners([](CornerMeasurement& c, const auto&) { c.p_target.x() += c.id.tag == 1 ? -0.11 : 0.11; }));
+  list.emplace_back("mirrored", "mirror", ofCorners([](CornerMeasurement& c, const auto&) { c.px.x() = 1279.0 - c.px.x(); }));
+  list.emplace_back("cropped", "cut out", ofCorners([](CornerMeasurement& c, const auto&) { c.px -= Eigen::Vector2d(320, 240); }));
+  list.emplace_back("u and v exchanged", "u and v", ofCorners([](CornerMeasurement& c, const auto&) { std::swap(c.px.x(), c.px.y()); }));
   list.emplace_back("half the resolution", "2 of the camera's resolution", ofLens(0.5));
 }
 

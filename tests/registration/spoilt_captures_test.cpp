@@ -38,9 +38,17 @@ TEST_P(PlausibilityOf, GoodCapturesPassAndSpoiltOnesAreNamed) {
   RecordProperty("spoilt", spoilt);
 }
 
+// Four arms, both setups, wide and look-at cells, poses alone, poses of a tracker.
 INSTANTIATE_TEST_SUITE_P(Kinds, PlausibilityOf,
-                         ::testing::Values(CaptureKind{"elbow"},
-                                           CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses, View::kLookAt, 20}),
+                         ::testing::Values(CaptureKind{"elbow"}, CaptureKind{"elbow", Setup::kEyeInHand, Readings::kJoints, View::kLookAt},
+                                           CaptureKind{"elbow", Setup::kEyeToHand, Readings::kTracker},
+                                           CaptureKind{"elbow", Setup::kEyeToHand, Readings::kFlangePoses, View::kWide, 20},
+                                           CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses, View::kLookAt, 20},
+                                           CaptureKind{"seven", Setup::kEyeToHand, Readings::kJoints, View::kLookAt},
+                                           CaptureKind{"seven", Setup::kEyeInHand},
+                                           CaptureKind{"seven", Setup::kEyeToHand, Readings::kTracker, View::kLookAt}, CaptureKind{"scara"},
+                                           CaptureKind{"scara", Setup::kEyeInHand}, CaptureKind{"shoulder"},
+                                           CaptureKind{"shoulder", Setup::kEyeInHand, Readings::kJoints, View::kLookAt}),
                          [](const auto& kind) { return nameOf(kind.param); });
 
 }  // namespace

@@ -1,0 +1,204 @@
+// The target that a user states against the corners that the pictures show.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "poecal/core/statistics.hpp"
+#include "registration/mistakes.hpp"
+#include "registration/target_fit.hpp"
+
+namespace poecal {
+namespace {
+
+// Up to this share of the target's extent in the picture, and so many pixels, noise or a usual lens may be all that a free pose leaves.
+constexpr double kShareOfExtent = 0.01;
+constexpr double kPixels = 1.0;
+// Enough to judge a change of the target, few enough to judge sixty within a second.
+constexpr std::size_t kRows = 20, kTags = 6;
+// A change of the target explains it where it leaves this share.
+constexpr double kMends = 0.3;
+// Of two changes that explain it.
+constexpr double kClearlyBetter = 0.7;
+constexpr double kAsGood = 1.1;
+// Factors on the distance of the tags that are tried.
+constexpr double kFarthest = 0.7, kStep = 0.05;
+
+/// Centres of all tags that are seen, of their corners as stated.
+std::map<int, Eigen::Vector3d> tagCentres(const Problem& problem) {
+  std::map<PointId, Eigen::Vector3d> points;
+  for (const Observation& observation : problem.observations) {
+    for (const CornerMeasurement& corner : observation.corners) points[corner.id] = corner.p_target;
+  }
+  std::map<int, std::pair<Eigen::Vector3d, int>> sums;
+  for (const auto& [id, point] : points) {
+    auto [sum, is_new] = sums.try_emplace(id.tag, Eigen::Vector3d::Zero(), 0);
+    sum->second.first += point;
+    ++sum->second.second;
+  }
+  std::map<int, Eigen::Vector3d> centres;
+  for (const auto& [tag, sum] : sums) {
+    if (sum.second == 4) centres[tag] = sum.first / 4.0;
+  }
+  return centres;
+}
+
+/// Every tag as it is, its centre moved; about the middle of all centres.
+Mistake mistakeOfLayout(std::string text, std::map<int, Eigen::Vector3d> centres, const Eigen::Matrix3d& map) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& [tag, centre] : centres) middle += centre / static_cast<double>(centres.size());
+  return {std::move(text), InputPart::kTarget, [centres = std::move(centres), middle, map](Problem& changed) {
+            for (Observation& observation : changed.observations) {
+              std::erase_if(observation.corners, [&](CornerMeasurement& corner) {
+                const auto centre = centres.find(corner.id.tag);
+                if (centre == centres.end()) return true;
+                corner.p_target += middle + map * (centre->second - middle) - centre->second;
+                return false;
+              });
+            }
+            renewPictures(changed);
+          }};
+}
+
+/// Median over the observations of the diagonal of what is seen [px].
+double extentInPictures(const std::vector<Observation>& observations) {
+  std::vector<double> extents;
+  for (const Observation& observation : observations) {
+    if (observation.corners.empty()) continue;
+    Eigen::Vector2d low = observation.corners.front().px, high = low;
+    for (const CornerMeasurement& corner : observation.corners) {
+      low = low.cwiseMin(corner.px);
+      high = high.cwiseMax(corner.px);
+    }
+    extents.push_back((high - low).norm());
+  }
+  return extents.empty() ? 0.0 : median(extents);
+}
+
+/// Some observations evenly over the series, each with some tags, evenly over those whose four corners it shows.
+Problem wholeTags(const Cell& cell, const std::vector<Observation>& observations) {
+  Problem few;
+  few.cell = cell;
+  const std::size_t rows = std::min(kRows, observations.size());
+  for (std::size_t i = 0; i < rows; ++i) {
+    Observation observation = observations[i * observations.size() / rows];
+    std::map<int, int> seen;
+    for (const CornerMeasurement& corner : observation.corners) ++seen[corner.id.tag];
+    std::vector<int> whole;
+    for (const auto& [tag, corners] : seen) {
+      if (tag >= 0 && corners == 4) whole.push_back(tag);
+    }
+    if (whole.empty()) continue;
+    std::set<int> chosen;
+    const std::size_t tags = std::min(kTags, whole.size());
+    for (std::size_t k = 0; k < tags; ++k) chosen.insert(whole[k * whole.size() / tags]);
+    std::erase_if(observation.corners, [&](const CornerMeasurement& corner) { return !chosen.contains(corner.id.tag); });
+    few.observations.push_back(std::move(observation));
+  }
+  renewPictures(few);
+  return few;
+}
+
+/// What free poses leave (median); infinity where a quarter of the pictures that show four corners have none.
+double freeOrNone(const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples) {
+  std::size_t posed = 0, seen = 0;
+  for (const HypothesisSample& sample : samples) {
+    seen += observations[sample.observation].corners.size() >= 4;
+    posed += !sample.candidates.empty();
+  }
+  return 4 * posed <= 3 * seen ? std::numeric_limits<double>::infinity() : freeMisfit(samples);
+}
+
+struct BetterTarget {
+  std::string text;
+  InputPart part = InputPart::kTarget;
+  double left = 0.0;
+  std::string other = "";  ///< another mistake that explains as much
+};
+
+}  // namespace
+
+std::vector<Mistake> cornerMistakes(const Problem& problem) {
+  std::vector<Mistake> mistakes;
+  if (problem.observations.front().pose || problem.observations.front().corners.front().id.tag < 0) return mistakes;
+  std::array<int, 4> order{0, 1, 2, 3};
+  while (std::next_permutation(order.begin(), order.end())) {
+    mistakes.push_back({fmt::format("the corners of the tags look to be in another order: 0, 1, 2, 3 are {}, {}, {}, {}", order[0],
+                                    order[1], order[2], order[3]),
+                        InputPart::kDetections, [order](Problem& changed) {
+                          for (Observation& observation : changed.observations) {
+                            std::map<PointId, Eigen::Vector3d> points;
+                            for (const CornerMeasurement& corner : observation.corners) points[corner.id] = corner.p_target;
+                            std::erase_if(observation.corners, [&](CornerMeasurement& corner) {
+                              const int place = corner.id.corner;
+                              if (place < 0 || place > 3) return true;
+                              corner.id.corner = order[static_cast<std::size_t>(place)];
+                              const auto point = points.find(corner.id);
+                              if (point == points.end()) return true;
+                              corner.p_target = point->second;
+                              return false;
+                            });
+                          }
+                          renewPictures(changed);
+                        }});
+  }
+  return mistakes;
+}
+
+std::vector<Mistake> layoutMistakes(const Problem& problem) {
+  std::vector<Mistake> mistakes;
+  if (problem.observations.front().pose || problem.observations.front().corners.front().id.tag < 0) return mistakes;
+  const std::map<int, Eigen::Vector3d> centres = tagCentres(problem);
+  if (centres.size() < 2) return mistakes;
+  const auto add = [&](std::string text, const Eigen::Matrix3d& map) {
+    mistakes.push_back(mistakeOfLayout(std::move(text), centres, map));
+  };
+  const Eigen::Matrix3d mirror_x = Eigen::Vector3d(-1, 1, 1).asDiagonal(), mirror_y = Eigen::Vector3d(1, -1, 1).asDiagonal();
+  add("the tags' numbers look to run from right to left", mirror_x);
+  add("the tags' numbers look to run from the other end of the columns (top and bottom row exchanged)", mirror_y);
+  add("the tags' numbers look to run from the opposite corner", mirror_x * mirror_y);
+  Eigen::Matrix3d exchanged = Eigen::Matrix3d::Identity();
+  exchanged.topLeftCorner<2, 2>() << 0, 1, 1, 0;
+  add("the tags' numbers look to run along the columns first", exchanged);
+  for (int k = 1; k <= static_cast<int>(kFarthest / kStep); ++k) {
+    for (const double factor : {std::exp(kStep * k), std::exp(-kStep * k)}) {
+      add(fmt::format("the tags look {:.2f} times as far apart, centre to centre, as stated", factor),
+          Eigen::Vector3d(factor, factor, 1.0).asDiagonal());
+    }
+  }
+  return mistakes;
+}
+
+void requireTargetFits(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples) {
+  if (observations.size() < 4 || observations.front().pose) return;
+  if (freeOrNone(observations, samples) <= std::max(kPixels, kShareOfExtent * extentInPictures(observations))) return;
+  const Problem few = wholeTags(cell, observations);
+  if (few.observations.size() < 4) return;
+  const double stated = freeOrNone(few.observations, few.samples);
+  std::optional<BetterTarget> best;
+  for (const std::vector<Mistake>& kind : std::array{layoutMistakes(few), cornerMistakes(few)}) {
+    for (const Mistake& mistake : kind) {
+      Problem altered = few;
+      mistake.undo(altered);
+      const double left = freeOrNone(altered.observations, altered.samples);
+      if (!std::isfinite(left) || left > kMends * stated) continue;
+      if (!best || left < kClearlyBetter * best->left) {
+        best = {mistake.text, mistake.part, left};
+      } else if (best->other.empty() && left < kAsGood * best->left) {
+        best->other = mistake.text;
+      }
+    }
+  }
+  if (!best) return;
+  throw ImplausibleCapture(fmt::format("{} (with a pose of its own in each picture the target then fits to {:.3g} px instead of {}{})",
+                                       best->text, best->left, std::isfinite(stated) ? fmt::format("{:.3g} px", stated) : "not at all",
+                                       best->other.empty() ? "" : fmt::format("; as likely: {}", best->other)),
+                           best->part);
+}
+
+}  // namespace poecal
