@@ -2,6 +2,7 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <iterator>
@@ -16,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
+#include "numbers.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/printable.hpp"
 #include "terminal.hpp"
@@ -65,13 +67,29 @@ std::string nearestCommand(const std::string& word) {
   return std::min_element(std::begin(kCommands), std::end(kCommands), nearer)->name;
 }
 
+/// CLI11 takes nan, inf and 1e300 for numbers, and none of the commands has a use for those.
+void requireUsableNumbers(const CLI::App& command) {
+  constexpr double kLargest = 1e9;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string type = option->get_type_name();
+    if (type.find("FLOAT") == std::string::npos && type != "X Y Z" && type != "EFFECT@PLACE SIZE") continue;
+    for (const std::string& word : option->results()) {
+      double number = 0.0;
+      if (CLI::detail::lexical_cast(word, number) && !(std::abs(number) <= kLargest)) {
+        throw InvalidArgument(fmt::format("{}: '{}': expected a number from -1e9 to 1e9 (--help shows the options)", option->get_name(),
+                                          printableLine(word)));
+      }
+    }
+  }
+}
+
 int runProgram(int argc, char** argv) {
   CLI::App app{"Calibrates serial arms from pictures of a tag, and says what the model still leaves out.", "poecal"};
   app.set_version_flag("--version", "poecal " POECAL_VERSION);
   app.require_subcommand(0, 1);  // none is said below, after a word that is no command
   app.fallthrough();
   Common common;
-  app.add_option("--jobs", common.jobs, "Pictures and fits worked on at a time (0: one per core)")->check(CLI::NonNegativeNumber);
+  app.add_option("--jobs", common.jobs, "Pictures and fits worked on at a time (0: one per core)")->check(nonNegativeNumber());
   app.add_flag("--quiet", common.quiet, "No summary and no progress");
   app.add_flag("--json", common.json, "The summary as JSON on stdout");
   std::vector<std::pair<CLI::App*, std::function<int()>>> commands;
@@ -95,7 +113,9 @@ int runProgram(int argc, char** argv) {
     throw InvalidArgument(std::string(error.what()) + " (--help shows the options)");
   }
   for (const auto& [sub, run] : commands) {
-    if (sub->parsed()) return run();
+    if (!sub->parsed()) continue;
+    requireUsableNumbers(*sub);
+    return run();
   }
   throw InvalidArgument("a command is missing (--help lists them)");
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "numbers.hpp"
 #include "poecal/core/error.hpp"
 
 namespace poecal::app {
@@ -46,10 +47,10 @@ void addToleranceOptions(CLI::App& app, IdentifyOptions& options) {
   app.add_option("--tolerance-position", options.tolerance_position,
                  "How far an axis may be from its nominal place, 1 sigma [m]; 0: any distance")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--tolerance-rotation", options.tolerance_rotation, "How far an axis may be tilted, 1 sigma [rad]; 0: any angle")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
 }
 
 void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
@@ -61,7 +62,7 @@ void addIdentifyOptions(CLI::App& app, IdentifyOptions& options) {
   app.add_option("--hold-out", options.hold_out_every,
                  "Number N of cross-validation folds: every N-th pose is held out, in N turns; 0: none")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_flag("--leave-one-out", options.leave_one_out, "Hold out each pose alone (automatic up to 25 poses)");
   app.add_flag("!--no-robust", options.robust, "Plain least squares: outliers keep their weight");
   app.add_flag("--allow-still-joints", options.allow_still_joints,

@@ -5,10 +5,12 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibration/check_parts.hpp"
 #include "capture/manifest.hpp"
 #include "core/yaml.hpp"
+#include "poecal/cell/known_registration.hpp"
 #include "poecal/core/error.hpp"
 
 namespace poecal {
@@ -59,6 +61,13 @@ void sayCamera(const Camera& camera, CheckList& list) {
   }
 }
 
+void sayRegistration(const Registration& registration, CheckList& list) {
+  std::vector<std::string> known;
+  if (registration.known_near) known.push_back(fmt::format("T_camera_{}", registration.nearFrame()));
+  if (registration.known_far) known.push_back(fmt::format("T_{}_target", registration.farFrame()));
+  list.add(CheckLevel::kOk, "registration", fmt::format("{} known beforehand", fmt::join(known, " and ")));
+}
+
 /// Each part by itself.
 void checkParts(const YamlNode& root, CheckList& list) {
   std::optional<NamedRobot> robot;
@@ -73,10 +82,19 @@ void checkParts(const YamlNode& root, CheckList& list) {
   if (const auto intrinsics = root.find("intrinsics")) {
     list.attempt("intrinsics", [&] { checkIntrinsicsFolder(namedFolder(*intrinsics), list); });
   }
+  Registration registration;
+  if (const auto file = root.find("registration")) {
+    list.attempt("registration", [&] {
+      registration.setup = readSetup(root["setup"]);
+      readKnownRegistration(namedFile(*file), registration);
+      sayRegistration(registration, list);
+    });
+  }
   list.attempt("samples", [&] {
+    const bool known = registration.known_near && registration.known_far;
     const Arm* arm = robot ? &robot->arm : nullptr;
     const SampleTable table = readSamples(namedFile(root["samples"]), robot ? robot->arm.jointCount() : 0, arm);
-    if (arm != nullptr || !table.has_joints) checkSamples(table.has_joints ? arm : nullptr, table, list);
+    if (arm != nullptr || !table.has_joints) checkSamples(table.has_joints ? arm : nullptr, table, known, list);
   });
 }
 

@@ -27,7 +27,8 @@ std::string counted(std::size_t count, const std::string& thing);
 
 /// Rows, poses, repeats, how far the joints and the flange moved, and columns that a diagnosis would want.
 /// @param arm  nullptr where the table has no joints.
-void checkSamples(const Arm* arm, const SampleTable& table, CheckList& list);
+/// @param known  whether both transforms of the registration are known beforehand.
+void checkSamples(const Arm* arm, const SampleTable& table, bool known, CheckList& list);
 /// Whether the pictures are there and as large as the camera says; of detections.csv where there is one: how much of the picture was seen.
 void checkPictures(const Capture& capture, CheckList& list);
 void checkIntrinsicsFolder(const std::filesystem::path& folder, CheckList& list);

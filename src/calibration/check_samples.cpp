@@ -10,6 +10,7 @@
 #include "calibration/check_parts.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/geometry/se3.hpp"
+#include "poecal/registration/hand_eye.hpp"
 
 namespace poecal {
 namespace {
@@ -75,13 +76,21 @@ void sayJoints(const Arm* arm, const SampleTable& table, CheckList& list) {
   list.add(CheckLevel::kOk, "joints", fmt::format("moved over {}", fmt::join(moved, ", ")));
 }
 
-/// Turns about one axis alone leave the registration open along it.
-void sayOrientations(const Arm* arm, const SampleTable& table, CheckList& list) {
+/// Turns about one axis alone leave the registration open along it; without any turn there is none.
+void sayOrientations(const Arm* arm, const SampleTable& table, bool known, CheckList& list) {
   const std::vector<Sample>& samples = table.samples;
+  std::vector<Eigen::Isometry3d> poses;
   std::vector<Eigen::Matrix3d> rotations;
   for (const Sample& sample : samples) {
-    rotations.push_back(table.has_joints ? Eigen::Matrix3d(forwardKinematics(*arm, sample.q).linear())
-                                         : Eigen::Matrix3d(sample.T_base_flange->linear()));
+    poses.push_back(table.has_joints ? forwardKinematics(*arm, sample.q) : *sample.T_base_flange);
+    rotations.push_back(poses.back().linear());
+  }
+  if (known) return;
+  if (rotationDirections(poses) == 0) {
+    list.add(CheckLevel::kTooLittle, "samples",
+             "the flange never turned by more than half a degree: registration needs poses of different orientation, or both of its "
+             "transforms known (registration: FILE in capture.yaml)");
+    return;
   }
   const Eigen::Matrix3d mean = meanRotation(rotations);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -139,10 +148,10 @@ void sayColumns(const SampleTable& table, CheckList& list) {
 
 }  // namespace
 
-void checkSamples(const Arm* arm, const SampleTable& table, CheckList& list) {
+void checkSamples(const Arm* arm, const SampleTable& table, bool known, CheckList& list) {
   sayPoses(arm, table, list);
   if (table.has_joints) sayJoints(arm, table, list);
-  sayOrientations(arm, table, list);
+  sayOrientations(arm, table, known, list);
   sayColumns(table, list);
 }
 

@@ -61,6 +61,16 @@ TEST_F(CommandLine, MistakesAreStatusTwo) {
   expectWrong("predict --model model.yaml --out next.csv", "CAPTURE");
 }
 
+TEST_F(CommandLine, NumbersThatNobodyHasAreStatusTwo) {
+  const std::string plan = "plan --robot arm.urdf --camera camera.yaml --target target.yaml --camera-at 0 0 1 --out next.csv ";
+  expectWrong(plan + "--floor inf", "--floor: 'inf': expected a number from -1e9 to 1e9");
+  expectWrong(plan + "--corner-sigma nan", "--corner-sigma: 'nan': expected a number above 0");
+  expectWrong(plan + "--corner-sigma 1e300", "--corner-sigma: '1e300': expected a number from -1e9 to 1e9");
+  expectWrong(plan + "--look-at 0 nan 0", "--look-at: 'nan': expected a number from -1e9 to 1e9");
+  expectWrong(plan + "--rough-position 0", "--rough-position: '0': expected a number above 0");
+  expectWrong(plan + "--link-radius=-1", "--link-radius: '-1': expected 0 or a number above it");
+}
+
 class EachCommand : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EachCommand, HelpShowsARun) {

@@ -158,6 +158,27 @@ TEST_F(CheckCapture, AStillJointAndMillimetresAreNamed) {
   EXPECT_THAT(bad.items, Contains(says(CheckLevel::kAdvice, "joints", "q6 (wrist_3_joint) moved by only 10.3 degrees")));
 }
 
+TEST_F(CheckCapture, AFlangeThatNeverTurnsAsksForTheRegistration) {
+  create();
+  folder_.write("capture/capture.yaml", "setup: eye_to_hand\ncamera: camera.yaml\ntarget: target.yaml\nsamples: samples.csv\n");
+  std::string text = "image,x,y,z,qx,qy,qz,qw\n";
+  for (int row = 0; row < 10; ++row) text += fmt::format("images/{}.png,0.{},0.2,0.3,0,0,0,1\n", row, row);
+  folder_.write("capture/samples.csv", text);
+  EXPECT_THAT(check().items, Contains(says(CheckLevel::kTooLittle, "samples", "never turned by more than half a degree")));
+
+  folder_.write("capture/capture.yaml",
+                "setup: eye_to_hand\ncamera: camera.yaml\ntarget: target.yaml\nsamples: samples.csv\nregistration: known.yaml\n");
+  const std::string pose = "{position: [0.0, 0.0, 1.0], quaternion_xyzw: [0.0, 0.0, 0.0, 1.0], fixed: true}\n";
+  folder_.write("capture/known.yaml", "format: poecal-registration/1\nT_camera_base: " + pose);
+  EXPECT_THAT(check().items, AllOf(Contains(says(CheckLevel::kOk, "registration", "T_camera_base known beforehand")),
+                                   Contains(says(CheckLevel::kTooLittle, "samples", "both of its transforms known"))));
+  folder_.write("capture/known.yaml", "format: poecal-registration/1\nT_camera_base: " + pose + "T_flange_target: " + pose);
+  EXPECT_THAT(check().items, AllOf(Contains(says(CheckLevel::kOk, "registration", "T_camera_base and T_flange_target known beforehand")),
+                                   Not(Contains(Field(&CheckItem::level, CheckLevel::kTooLittle)))));
+  folder_.write("capture/known.yaml", "format: poecal-registration/1\nT_flange_camera: " + pose);
+  EXPECT_THAT(check().items, Contains(says(CheckLevel::kError, "registration", "known.yaml")));
+}
+
 TEST_F(CheckCapture, CornersFoundEarlierTellWhatWasSeen) {
   create();
   fill(10);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "numbers.hpp"
 #include "poecal/calibration/check_capture.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/printable.hpp"
@@ -55,9 +56,7 @@ std::function<int()> setUpCheck(CLI::App& app, const Common& common) {
   };
   const auto options = std::make_shared<Options>();
   app.add_option("CAPTURE", options->folder, "Capture folder")->required();
-  app.add_option("--detect", options->check.detect, "Try the detector in this many pictures")
-      ->check(CLI::NonNegativeNumber)
-      ->option_text("N");
+  app.add_option("--detect", options->check.detect, "Try the detector in this many pictures")->check(nonNegativeNumber())->option_text("N");
   app.footer(kExample);
   return [options, &common] {
     options->check.jobs = common.jobs;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "numbers.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/identification/paper_experiment.hpp"
 #include "poecal/robot/robot_file.hpp"
@@ -73,7 +74,7 @@ std::function<int()> setUpPaper(CLI::App& app, const Common& common) {
   };
   const auto options = std::make_shared<Options>();
   app.add_option("FOLDER", options->folder, "Folder with robot.yaml (nominal) and actual.yaml: calib_data/puma560")->required();
-  app.add_option("--seeds", options->paper.seeds, "Seeds of poses and noise")->capture_default_str()->check(CLI::PositiveNumber);
+  app.add_option("--seeds", options->paper.seeds, "Seeds of poses and noise")->capture_default_str()->check(positiveNumber());
   app.footer(kExample);
   return [options, &common] {
     const Arm nominal = readRobotYaml(options->folder / "robot.yaml");

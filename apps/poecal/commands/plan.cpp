@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "numbers.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
@@ -209,32 +210,30 @@ void addFirstOptions(CLI::App& app, FirstCapture& first, CLI::Option* folder) {
   addPoint(app, "--target-faces", first.target_faces, "Direction that its front faces, in the same frame (default 0 0 1)");
   app.add_option("--corner-sigma", first.corner_sigma, "Noise to expect of a corner's u and v before the first picture, 1 sigma [px]")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(positiveNumber());
   app.add_option("--rough-position", first.rough_position, "How well these places are known, 1 sigma [m]")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(positiveNumber());
   app.add_option("--rough-rotation", first.rough_rotation, "How well their directions are known, 1 sigma [rad]")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(positiveNumber());
 }
 
 void addPlanOptions(CLI::App& app, PlanOptions& options) {
-  app.add_option("--count", options.count, "Poses to plan")->capture_default_str()->check(CLI::PositiveNumber);
+  app.add_option("--count", options.count, "Poses to plan")->capture_default_str()->check(positiveNumber());
   app.add_option_function<std::string>(
          "--criterion", [&options](const std::string& name) { options.criterion = name == "d" ? PlanCriterion::kD : PlanCriterion::kA; },
          "a (default): least mean variance of the tool's position; d: least volume of the confidence region of all unknowns")
       ->check(CLI::IsMember({"a", "d"}));
-  app.add_option("--candidates", options.candidates, "Visible random poses to choose from")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+  app.add_option("--candidates", options.candidates, "Visible random poses to choose from")->capture_default_str()->check(positiveNumber());
   app.add_option("--seed", options.seed, "Of the candidates")->capture_default_str();
   app.add_option("--link-radius", options.link_radius, "Half the thickness of the links [m]; 0: 4 % of the arm's length")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--camera-radius", options.camera_radius,
                  "Of a ball around the camera that no link enters [m]; eye in hand: around the target")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(nonNegativeNumber());
   app.add_option("--floor", options.floor, "Height of the floor above the origin of base [m]; without it no floor is checked");
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "numbers.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
@@ -119,7 +120,7 @@ std::function<int()> setUpTarget(CLI::App& app, const Common& common) {
   app.add_option("--type", options->type, "apriltag, aprilgrid, charuco or chessboard");
   app.add_option("--file", options->file, "Print this target.yaml instead")->option_text("target.yaml");
   app.add_option("--family", options->family, "Of tags")->capture_default_str();
-  app.add_option("--id", options->id, "Of the tag, or of an aprilgrid's first tag")->check(CLI::NonNegativeNumber);
+  app.add_option("--id", options->id, "Of the tag, or of an aprilgrid's first tag")->check(nonNegativeNumber());
   app.add_option("--size", options->size, "Edge of a tag between its corners [m]");
   app.add_option("--spacing", options->spacing, "Gap between an aprilgrid's tags, as a part of their size")->capture_default_str();
   app.add_option("--border-bits", options->border_bits, "Width of an aprilgrid's black borders in cells (default: 1)")

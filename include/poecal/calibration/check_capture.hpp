@@ -18,7 +18,8 @@ const char* checkLevelName(CheckLevel level);
 
 struct CheckItem {
   CheckLevel level = CheckLevel::kOk;
-  std::string topic;  ///< "robot", "target", "camera", "samples", "joints", "pictures", "corners", "columns", "detector"
+  std::string topic;  ///< "robot", "target", "camera", "registration", "samples", "joints", "pictures", "corners", "columns",
+                      ///< "detector"
   std::string text;   ///< one line, without a full stop
 };
 
