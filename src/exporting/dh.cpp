@@ -117,9 +117,9 @@ bool isNone(const Eigen::Isometry3d& T) {
 bool DhTable::plain() const { return isNone(base) && isNone(tool); }
 
 DhTables dhTables(const Arm& nominal, const Arm& calibrated) {
-  bool same = nominal.jointCount() == calibrated.jointCount() && nominal.jointCount() > 0;
-  for (std::size_t k = 0; same && k < nominal.joints.size(); ++k) same = nominal.joints[k].type == calibrated.joints[k].type;
-  if (!same) throw InvalidArgument("the nominal arm has other joints than the calibrated one");
+  if (nominal.joints.empty()) throw InvalidArgument("the nominal arm has no joints");
+  const std::string difference = differenceOfArms(nominal, calibrated);
+  if (!difference.empty()) throw InvalidArgument("the calibrated arm is not the nominal one: " + difference);
   DhTables tables;
   tables.nominal = tableOf(nominal, nullptr);
   tables.calibrated = tableOf(calibrated, &tables.nominal);

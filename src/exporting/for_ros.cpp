@@ -1,7 +1,10 @@
 #include "poecal/exporting/for_ros.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -11,6 +14,7 @@
 #include "core/yaml.hpp"
 #include "poecal/core/csv.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/core/printable.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/exporting/dh.hpp"
 
@@ -38,6 +42,17 @@ std::string stampedYaml(const StaticTransform& one) {
       formatNumber(c(1)), formatNumber(c(2)), formatNumber(c(3)));
 }
 
+/// A name as one word of a shell's command line.
+std::string shellWord(const std::string& name) {
+  const auto plain = [](char sign) {
+    return std::isalnum(static_cast<unsigned char>(sign)) != 0 || (sign != '\0' && std::strchr("_./-", sign) != nullptr);
+  };
+  if (!name.empty() && std::all_of(name.begin(), name.end(), plain)) return name;
+  std::string word = "'";
+  for (const char sign : printableLine(name)) word += sign == '\'' ? "'\\''" : std::string(1, sign);
+  return word + "'";
+}
+
 std::string commandLine(const StaticTransform& one) {
   const Eigen::Vector3d t = one.T_parent_child.translation();
   const Eigen::Vector4d c = quaternionXyzw(one.T_parent_child);
@@ -45,7 +60,7 @@ std::string commandLine(const StaticTransform& one) {
       "# ros2 run tf2_ros static_transform_publisher --x {} --y {} --z {} --qx {} --qy {} --qz {} --qw {} --frame-id {} --child-frame-id "
       "{}\n",
       formatNumber(t.x()), formatNumber(t.y()), formatNumber(t.z()), formatNumber(c(0)), formatNumber(c(1)), formatNumber(c(2)),
-      formatNumber(c(3)), one.parent, one.child);
+      formatNumber(c(3)), shellWord(one.parent), shellWord(one.child));
 }
 
 StaticTransform turnedRound(const StaticTransform& one) { return {one.child, one.parent, one.T_parent_child.inverse()}; }

@@ -67,14 +67,10 @@ Registration placesOf(const FirstCapture& first, const Target& target) {
 
 /// The model must be of the capture's arm.
 void requireSameArm(const Arm& nominal, const Model& model, const std::filesystem::path& file) {
-  const Arm& arm = *model.cell.arm;
-  bool same = arm.jointCount() == nominal.jointCount();
-  for (std::size_t k = 0; same && k < arm.joints.size(); ++k) same = arm.joints[k].type == nominal.joints[k].type;
-  if (!same) {
-    throw FileError(file, 0,
-                    fmt::format("is a model of {} ({} joints), expected one of the capture's arm {} ({} joints)", arm.name,
-                                arm.jointCount(), nominal.name, nominal.jointCount()));
-  }
+  const std::string difference = differenceOfArms(nominal, *model.cell.arm);
+  if (difference.empty()) return;
+  throw FileError(
+      file, 0, fmt::format("is a model of {}, expected one of the capture's arm {}: {}", model.cell.arm->name, nominal.name, difference));
 }
 
 bool isFile(const std::filesystem::path& file) {

@@ -1,7 +1,9 @@
 #include "poecal/robot/arm.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -131,6 +133,27 @@ AxisOffset axisOffset(const Joint& from, const Joint& to) {
   offset.tilt = std::atan2(from.axis().cross(to.axis()).norm(), from.axis().dot(to.axis()));
   if (to.type == JointType::kRevolute) offset.shift = to.axis().cross(from.anchor - to.anchor).norm();
   return offset;
+}
+
+std::string differenceOfArms(const Arm& nominal, const Arm& calibrated) {
+  constexpr double kTilt = 0.5, kShiftOfReach = 0.1;
+  if (calibrated.jointCount() != nominal.jointCount()) {
+    return fmt::format("{} joints, expected {}", calibrated.jointCount(), nominal.jointCount());
+  }
+  double reach = expSe3(nominal.gamma).translation().norm();
+  for (const Joint& joint : nominal.joints) reach = std::max(reach, joint.anchor.norm());
+  for (std::size_t k = 0; k < nominal.joints.size(); ++k) {
+    const Joint &from = nominal.joints[k], &to = calibrated.joints[k];
+    if (from.type != to.type) {
+      const auto typeName = [](const Joint& joint) { return joint.type == JointType::kRevolute ? "revolute" : "prismatic"; };
+      return fmt::format("joint {} is {}, expected {}", k + 1, typeName(to), typeName(from));
+    }
+    const AxisOffset offset = axisOffset(from, to);
+    if (offset.tilt <= kTilt && offset.shift <= kShiftOfReach * reach) continue;
+    return fmt::format("axis {} is {:.0f} degrees and {:.0f} mm from where it should be", k + 1, offset.tilt * 180.0 / std::numbers::pi,
+                       1e3 * offset.shift);
+  }
+  return "";
 }
 
 Eigen::VectorXd twistDisplacement(const Arm& nominal, const Arm& arm) {

@@ -116,10 +116,10 @@ TEST(Dh, AnArmThatStandsAsideNeedsABase) {
   EXPECT_FALSE(dhTables(arm, arm).nominal.plain());
 }
 
-TEST(Dh, ArmsOfOtherJointsAreRefused) {
+TEST(Dh, AnotherArmIsRefused) {
   Rng rng(4);
   EXPECT_THAT([&] { dhTables(test::randomArm(rng, "RRR"), test::randomArm(rng, "RPR")); },
-              ThrowsMessage<InvalidArgument>(HasSubstr("other joints")));
+              ThrowsMessage<InvalidArgument>(HasSubstr("not the nominal one")));
 }
 
 }  // namespace

@@ -58,6 +58,13 @@ TEST_F(ForRos, TransformsAreThoseOfTheCellBothWays) {
   EXPECT_THAT(transformsYaml(model_, {}), HasSubstr("# ros2 run tf2_ros static_transform_publisher --x "));
 }
 
+TEST_F(ForRos, NamesAreWordsOfTheShell) {
+  const std::string text = transformsYaml(model_, {.base = "base; rm -rf ~", .flange = "tool's\nend"});
+  EXPECT_THAT(text, HasSubstr("--frame-id 'base; rm -rf ~' --child-frame-id camera\n"));
+  EXPECT_THAT(text, HasSubstr("--frame-id 'tool'\\''s\\nend' --child-frame-id target\n")) << "one line, so that no comment ends early";
+  EXPECT_EQ(YAML::Load(text)["transforms"][0]["header"]["frame_id"].as<std::string>(), "base; rm -rf ~");
+}
+
 TEST_F(ForRos, TheCameraIsReadBackWithoutOwnKeys) {
   model_.cell.camera->standard_deviation = Eigen::VectorXd::Constant(model_.cell.camera->parameterCount(), 1e-3);
   const std::string text = cameraInfoYaml(model_);

@@ -271,6 +271,28 @@ TEST(Arm, RefusesSizesThatDoNotFitAndAxesWithoutDirection) {
 }
 
 // The inverse of a displacement, of every kind of joint and far beyond what arms are off by.
+TEST(Arm, AnotherArmIsToldFromALooseOne) {
+  Rng rng = test::rngOfThisTest();
+  const Arm arm = test::randomArm(rng, "RRPRRR");
+  // Ten times what loose arms have.
+  Eigen::VectorXd loose(twistParameterCount(arm));
+  for (Eigen::Index k = 0; k < loose.size(); ++k) loose(k) = 0.02 * rng.normal();
+  EXPECT_EQ(differenceOfArms(arm, displaceTwists(arm, loose)), "");
+  Arm shorter = arm;
+  shorter.joints.pop_back();
+  EXPECT_EQ(differenceOfArms(arm, shorter), "5 joints, expected 6");
+  Arm turning = arm;
+  std::swap(turning.joints[2], turning.joints[3]);
+  EXPECT_EQ(differenceOfArms(arm, turning), "joint 3 is revolute, expected prismatic");
+  Arm tilted = arm;
+  const Eigen::Vector3d across = arm.joints[4].axis().unitOrthogonal();
+  tilted.joints[4] = Joint::revolute("tilted", Eigen::AngleAxisd(1.0, across) * arm.joints[4].axis(), arm.joints[4].anchor);
+  EXPECT_EQ(differenceOfArms(arm, tilted), "axis 5 is 57 degrees and 0 mm from where it should be");
+  Arm moved = arm;
+  moved.joints[4] = Joint::revolute("moved", arm.joints[4].axis(), arm.joints[4].anchor + 0.5 * across);
+  EXPECT_EQ(differenceOfArms(arm, moved), "axis 5 is 0 degrees and 500 mm from where it should be");
+}
+
 TEST(TwistDisplacement, GivesBackWhatAnAxisWasMovedBy) {
   Rng rng = test::rngOfThisTest();
   for (int trial = 0; trial < 20; ++trial) {

@@ -37,10 +37,8 @@ std::optional<Arm> nominalArm(const CompensateOptions& options, const Model& mod
   const std::string base_link = options.base_link.empty() ? model.base_link : options.base_link;
   const std::string tip_link = options.tip_link.empty() ? model.tip_link : options.tip_link;
   Arm nominal = readArm(options.robot, base_link, tip_link);
-  if (nominal.jointCount() != model.cell.arm->jointCount()) {
-    throw FileError(
-        options.robot, 0,
-        fmt::format("{} joints, expected {} as in {}", nominal.jointCount(), model.cell.arm->jointCount(), options.model.string()));
+  if (const std::string difference = differenceOfArms(*model.cell.arm, nominal); !difference.empty()) {
+    throw FileError(options.robot, 0, fmt::format("is not the arm of {}: {}", options.model.string(), difference));
   }
   return nominal;
 }

@@ -39,7 +39,7 @@ struct DhTable {
 ///
 /// Axes within 0.1 rad of parallel in the nominal arm follow Hayati's rule. `base` is the least motion from the z axis of base to the first
 /// joint's axis. A sliding joint's axis is drawn through the frame before it.
-/// @throws InvalidArgument where the arms have other joints.
+/// @throws InvalidArgument where the second is no calibration of the first: differenceOfArms().
 /// @see Hayati and Mirmirani (1985), Improving the absolute positioning accuracy of robot manipulators.
 struct DhTables {
   DhTable nominal, calibrated;

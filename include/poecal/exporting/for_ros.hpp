@@ -25,7 +25,7 @@ FrameNames frameNames(const Model& model);
 std::string transformsYaml(const Model& model, const FrameNames& names);
 
 /// A row per joint: its axis before and after, how far it tilted and shifted, its zero, and what it does beyond geometry.
-/// @throws InvalidArgument where the nominal arm has other joints.
+/// @throws InvalidArgument where the model is none of the nominal arm: differenceOfArms().
 std::string jointTableCsv(const Model& model, const Arm& nominal);
 
 }  // namespace poecal

@@ -104,6 +104,10 @@ struct AxisOffset {
 
 AxisOffset axisOffset(const Joint& from, const Joint& to);
 
+/// Why `calibrated` can be no calibration of `nominal`: other joints, or an axis 30 degrees or a tenth of the arm's reach away from where
+/// it should be, which no arm errs by. Empty where it can be one. The names of the joints do not count.
+std::string differenceOfArms(const Arm& nominal, const Arm& calibrated);
+
 /// Left derivative of T_base_flange (in base) by beta at displaceTwists(nominal, beta), 6 x twistParameterCount:
 ///   J_i = Ad(P[i-1]) (I - Ad(exp(xi_i q_i))) K(B_i beta_i) B_i      (Gao 2013, eq. 21)
 /// @param arm, chain  displaceTwists(nominal, beta) and its chain at q.
