@@ -74,6 +74,13 @@ class Struct : public py::class_<T> {
     return *this;
   }
 
+  /// A member that may not be set, of something that is a member itself and may be set as a whole: a copy.
+  template <typename Member>
+  Struct& copied(const char* name, Member T::*at) {
+    this->def_property_readonly(name, [at](const T& self) { return frozen(self.*at, py::return_value_policy::copy, {}); });
+    return *this;
+  }
+
   /// A member of a result, which lives as long as anybody holds a part of it.
   template <typename Member>
   Struct& result(const char* name, Member T::*at) {

@@ -42,7 +42,7 @@ try:
 except ImportError:
     sys.exit("no plots: matplotlib is not installed (Debian's python3-matplotlib)")
 matplotlib.use("Agg")
-from matplotlib import pyplot
+from matplotlib import pyplot, ticker
 
 figure, axes = pyplot.subplots(figsize=(8, 3), layout="constrained")
 axes.errorbar(rms, names, xerr=[np.maximum(rms - bounds[:, 0], 0.0), np.maximum(bounds[:, 1] - rms, 0.0)], fmt="o", capsize=3)
@@ -50,6 +50,9 @@ if diagnosis.noiseKnown():
     axes.axvline(scale * diagnosis.noise_rms, linestyle="--", color="grey", label="noise")
     axes.legend()
 axes.set_xscale("log")
+axes.xaxis.set_major_locator(ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+axes.xaxis.set_major_formatter("{x:g}")
+axes.xaxis.set_minor_locator(ticker.NullLocator())
 axes.set_xlabel(f"error on held-out poses, rms [{unit}]")
 axes.invert_yaxis()
 figure.savefig(out / "ladder.png", dpi=150)
@@ -59,7 +62,7 @@ rows = identification.stages[-1].held_out_rows
 largest = scale * np.array([row.lengths.max() for row in rows])
 figure, axes = pyplot.subplots(figsize=(8, 3), layout="constrained")
 axes.plot([row.index for row in rows], largest, ".")
-axes.set_xlabel("observation")
+axes.set_xlabel("number of the picture")
 axes.set_ylabel(f"largest residual [{unit}]")
 figure.savefig(out / "residuals.png", dpi=150)
 print(f"plots: {out / 'ladder.png'}, {out / 'residuals.png'}")

@@ -63,14 +63,14 @@ void bindTargetTypes(py::module_& module) {
 void bindTarget(py::module_& module) {
   bindTargetTypes(module);
   Struct<Target>(module, "Target", "What is looked at, as named points. Made by apriltagTarget() and its like.")
-      .result("type", &Target::type)
-      .result("family", &Target::family)
-      .result("tags", &Target::tags)
-      .result("cols", &Target::cols)
-      .result("rows", &Target::rows)
-      .result("square", &Target::square)
-      .result("marker", &Target::marker)
-      .result("points", &Target::points);
+      .copied("type", &Target::type)
+      .copied("family", &Target::family)
+      .copied("tags", &Target::tags)
+      .copied("cols", &Target::cols)
+      .copied("rows", &Target::rows)
+      .copied("square", &Target::square)
+      .copied("marker", &Target::marker)
+      .copied("points", &Target::points);
   module.def("apriltagTarget", apriltagTarget, py::arg("family"), py::arg("tags"));
   module.def("chessboardTarget", chessboardTarget, py::arg("cols"), py::arg("rows"), py::arg("square"));
   module.def("charucoTarget", charucoTarget, py::arg("cols"), py::arg("rows"), py::arg("square"), py::arg("marker"), py::arg("dictionary"));

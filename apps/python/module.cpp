@@ -92,7 +92,9 @@ void setMembers(const py::object& object, const py::kwargs& members) {
 
 PYBIND11_MODULE(poecal, module) {
   using namespace poecal::python;
-  module.doc() = "poecal calibrates a serial robot arm from pictures of a tag on its flange, and diagnoses the gap that is left.";
+  module.doc() =
+      "poecal calibrates a serial robot arm from pictures of a tag on its flange, and diagnoses the gap that is left. "
+      "Long calls let other threads run: no object may change while one works on it.";
   module.attr("__version__") = POECAL_VERSION;
   bindErrors(module);
   bindArm(module);

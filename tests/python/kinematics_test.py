@@ -169,6 +169,13 @@ class Objects(unittest.TestCase):
         del cell
         self.assertEqual(arm.name, "cobot6")
         self.assertEqual(registration.nearFrame(), "base")
+        measurements = poecal.Measurements(target=poecal.apriltagTarget("tag36h11", [poecal.TargetTag(id=7, size=0.08)]))
+        target = measurements.target
+        tag, point = target.tags[0], target.points[3]
+        measurements.target = poecal.chessboardTarget(60, 40, 0.02)
+        self.assertEqual((tag.id, tag.size), (7, 0.08))
+        self.assertEqual((point.id.tag, point.id.corner), (7, 3))
+        self.assertEqual(len(target.points), 2400)  # an inner object is the member
 
     def test_an_inner_object_is_the_member(self):
         cell = poecal.Cell()
