@@ -1,4 +1,5 @@
 """The main job by the module and by the program is the same, and finds what is true."""
+import json
 import math
 import unittest
 
@@ -85,6 +86,81 @@ class PlainObjects(unittest.TestCase):
         text = poecal.diagnosisText(self.done.calibration.diagnosis, self.done.measurements.samples)
         self.assertIn("joint:6, driven by q5", text)
         self.assertIn("joint_backlash", poecal.explainEffect(self.done.calibration.diagnosis, "joint_backlash"))
+
+
+class OtherCalls(unittest.TestCase):
+    """Each beside the command that makes the same call."""
+
+    def test_poses_of_an_instrument(self):
+        robot, poses = cells.corners_capture() / "cobot6.urdf", cells.results() / "flange_poses.csv"
+        links = ("--base-link", "base_link", "--tip-link", "flange")
+        by_program, by_module = cells.new_folder(), cells.new_folder()
+        cells.done("diagnose", "--robot", robot, *links, "--poses", poses, "--registered", "--out", by_program)
+        source = poecal.PosesSource(robot=robot, base_link="base_link", tip_link="flange", poses=poses)
+        options = poecal.CalibrateOptions(identify=poecal.IdentifyOptions(registered=True))
+        poecal.runPoses(source, by_module, options, poecal.ResultFiles(diagnosis=True))
+        for name in ("diagnosis.json", "model.yaml"):
+            self.assertEqual((by_module / name).read_bytes(), (by_program / name).read_bytes(), name)
+
+    def test_the_lens(self):
+        by_program, by_module = cells.new_folder() / "camera.yaml", cells.new_folder() / "camera.yaml"
+        cells.done("intrinsics", cells.board_folder(), "--out", by_program)
+        result = poecal.calibrateBoardFolder(cells.board_folder(), poecal.IntrinsicsOptions(), 1, by_module)
+        self.assertEqual(by_module.read_bytes(), by_program.read_bytes())
+        self.assertEqual(len(result.views), 5)
+        truth = poecal.readCamera(cells.COBOT / "camera.yaml")
+        camera = result.chosen().camera
+        off = np.abs(camera.parameters() - truth.parameters())
+        known = np.isfinite(camera.standard_deviation) & (camera.parameters() != 0.0)  # others are held
+        self.assertTrue((off < 5.0 * camera.standard_deviation)[known].all(), (off, camera.standard_deviation))
+        self.assertGreaterEqual(known.sum(), 4)
+
+    def test_the_report(self):
+        out = cells.new_folder() / "out"
+        run = poecal.runCapture(cells.corners_capture(), out)
+        self.assertEqual(poecal.writeReport(run, cells.corners_capture(), out), "")
+        for name in ("report.json", "report.html"):
+            self.assertEqual((out / name).read_bytes(), (cells.results() / name).read_bytes(), name)
+
+    def test_a_check(self):
+        check = poecal.checkCapture(cells.corners_capture())
+        said = json.loads(cells.done("check", cells.corners_capture(), "--json"))["items"]
+        self.assertEqual([(item.topic, item.text) for item in check.items], [(item["topic"], item["text"]) for item in said])
+        self.assertEqual(check.exitStatus(), 0)
+        self.assertEqual(check.items[0].level, poecal.CheckLevel.kOk)
+
+    def test_a_new_capture(self):
+        folder = cells.new_folder() / "capture"
+        robot, target, camera = (cells.COBOT / name for name in ("cobot6.urdf", "target.yaml", "camera.yaml"))
+        new = poecal.NewCapture(folder=folder, robot=robot, target=target, camera=camera, base_link="base_link", tip_link="flange")
+        written = poecal.createCapture(new)
+        self.assertTrue(all(file.is_file() for file in written))
+        self.assertIn(folder / "samples.csv", written)
+        self.assertEqual(poecal.checkCapture(folder).exitStatus(), 4)  # there is no picture yet
+
+    def test_texts_are_those_of_the_files(self):
+        run = calibrated()
+        calibration, measurements = run.calibration, run.measurements
+        for name, text in {
+            "registration.yaml": poecal.registrationYaml(calibration, measurements),
+            "flange_poses.csv": poecal.flangePosesCsv(calibration, measurements),
+            "identification.json": poecal.identificationJson(calibration.identification, measurements.samples),
+            "diagnosis.json": poecal.diagnosisJson(calibration, measurements),
+            "model.yaml": poecal.modelYaml(calibration.model),
+        }.items():
+            self.assertEqual(text, (cells.results() / name).read_text(), name)
+        out = cells.new_folder()
+        poecal.writeResults(calibration, measurements, poecal.ResultFiles(identification=True), out)
+        self.assertEqual(sorted(file.name for file in out.iterdir()), ["identification.json", "model.yaml"])
+
+    def test_a_fleet(self):
+        summaries = [poecal.readResults(cells.results())] * 2
+        table = cells.new_folder() / "fleet.csv"
+        cells.done("fleet", cells.results(), cells.results(), "--out", table)
+        self.assertEqual(poecal.fleetCsv(summaries), table.read_text())
+        self.assertEqual(poecal.fleetText(summaries).count("joint_coupling at joint:6"), 2)
+        row = dict(zip(poecal.fleetColumns(), poecal.fleetRow(summaries[0])))
+        self.assertEqual(row["pictures"], "60")
 
 
 class FromMemory(unittest.TestCase):

@@ -12,16 +12,16 @@ RATIO = 1e-3  # that joint 5 leaks into joint 6 by, in the scenes here
 
 
 def program(*arguments, folder=None):
-    """Runs `poecal ARGUMENTS`; its exit status and what it says on stderr."""
-    run = subprocess.run([PROGRAM, *map(str, arguments)], cwd=folder, capture_output=True, text=True, timeout=120)
-    return run.returncode, run.stderr
+    """Runs `poecal ARGUMENTS`."""
+    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=folder, capture_output=True, text=True, timeout=120)
 
 
 def done(*arguments, folder=None):
-    """Runs a command that must not fail."""
-    status, errors = program(*arguments, folder=folder)
-    if status != 0:
-        raise RuntimeError(f"{arguments}: {errors}")
+    """Runs a command that must not fail; what it says on stdout."""
+    run = program(*arguments, folder=folder)
+    if run.returncode != 0:
+        raise RuntimeError(f"{arguments}: {run.stderr}")
+    return run.stdout
 
 
 @functools.cache
@@ -39,7 +39,8 @@ def simulated(looks, count):
     folder = new_folder()
     for file in COBOT.iterdir():
         (folder / file.name).write_bytes(file.read_bytes())
-    lines = [line for line in (folder / "scene-joint.yaml").read_text().splitlines() if not line.startswith(("image:", "intrinsics:"))]
+    told = (folder / "scene-joint.yaml").read_text().splitlines()
+    lines = [line for line in told if not line.startswith(("image:", "intrinsics:"))]
     scene = "\n".join(lines).replace("count: 60", f"count: {count}") + f"\n{looks}\n"
     (folder / "scene.yaml").write_text(scene)
     done("simulate", folder / "scene.yaml", "--out", folder / "capture")
@@ -56,6 +57,13 @@ def corners_capture():
 def pictures_capture():
     """12 pictures."""
     return simulated("image: {blur: 0.7, noise: 2.0, background: plain}", 12)
+
+
+@functools.cache
+def board_folder():
+    """5 pictures of a board, to find the lens from."""
+    looks = "image: {blur: 0.7, noise: 2.0, background: plain}\nintrinsics: {target: board.yaml, count: 5}"
+    return simulated(looks, 1) / "intrinsics"
 
 
 @functools.cache

@@ -28,9 +28,9 @@ class Errors(unittest.TestCase):
         manifest = capture / "capture.yaml"
         manifest.write_text(manifest.read_text() + "robott: arm.yaml\n")
         error = self.fails(poecal.FileError, r"capture\.yaml:\d+: ", poecal.readCapture, capture)
-        status, errors = cells.program("run", capture, "--out", cells.new_folder() / "out")
-        self.assertEqual(status, error.exitStatus())
-        self.assertEqual(errors, f"poecal: error: {error}\n")
+        run = cells.program("run", capture, "--out", cells.new_folder() / "out")
+        self.assertEqual(run.returncode, error.exitStatus())
+        self.assertEqual(run.stderr, f"poecal: error: {error}\n")
 
     def test_too_little_data(self):
         capture = cells.new_folder() / "capture"
@@ -40,7 +40,7 @@ class Errors(unittest.TestCase):
         out = cells.new_folder() / "out"
         error = self.fails(poecal.InsufficientData, "poses", poecal.runCapture, capture, out)
         self.assertEqual(error.exitStatus(), 4)
-        self.assertEqual(cells.program("run", capture, "--out", out)[0], 4)
+        self.assertEqual(cells.program("run", capture, "--out", out).returncode, 4)
         self.assertFalse((out / "model.yaml").exists())
 
     def test_a_result_never_replaces_an_input(self):

@@ -4,9 +4,11 @@ import inspect
 import re
 import shutil
 import subprocess
+import types
 import unittest
 from pathlib import Path
 
+import numpy as np
 import poecal
 
 import cells
@@ -95,6 +97,44 @@ class Stub(unittest.TestCase):
                 kind()
 
 
+def fits(annotation, value):
+    """Whether a value is what the stub says."""
+    if annotation.endswith(" | None"):
+        return value is None or fits(annotation.removesuffix(" | None"), value)
+    inner = annotation[annotation.find("[") + 1 : -1]
+    if annotation.startswith("Final["):
+        return fits(inner, value)
+    if annotation.startswith(("Sequence[", "tuple[")):
+        each = inner.removesuffix(", ...").split(", ") * len(value) if inner.count(",") == 0 or inner.endswith(", ...") else inner.split(", ")
+        return isinstance(value, tuple) and all(fits(*pair) for pair in zip(each, value, strict=True))
+    if annotation.startswith("Mapping[str, "):
+        return isinstance(value, types.MappingProxyType) and all(fits(inner.removeprefix("str, "), one) for one in value.values())
+    if annotation == "_Array":
+        return isinstance(value, np.ndarray) and value.dtype == np.float64 and not value.flags.writeable
+    return type(value).__name__.removeprefix("Posix") == annotation
+
+
+def found_objects():
+    """Objects of as many classes as there are, from real calls."""
+    capture, out = cells.corners_capture(), cells.new_folder() / "out"
+    run = poecal.runCapture(capture, out)
+    model, loaded = poecal.readModel(out / "model.yaml"), poecal.loadCapture(capture, out)
+    wanted = poecal.sampleTable(T_base_flange=[poecal.forwardKinematics(model.cell.arm, [0.1, -1.0, 1.0, 0.2, 0.3, 0.4])])
+    return [
+        run, model, loaded, poecal.realArm(model), *poecal.compensate(poecal.realArm(model), wanted), poecal.readResults(out),
+        poecal.axisOffset(*model.cell.arm.joints[:2]), *poecal.effectKinds(), model.effects[0].effect, poecal.checkCapture(capture),
+        *poecal.predictCorners(model.cell, model.target, poecal.forwardKinematics(model.cell.arm, run.measurements.samples[0].q)),
+        poecal.calibrateBoardFolder(cells.board_folder(), poecal.IntrinsicsOptions(), 1, out / "camera.yaml"), poecal.CaptureSource("x"),
+    ] + [kind() for kind in classes().values() if hasattr(kind, "__copy__")]  # fmt: skip
+
+
+def parts_of(value):
+    """The objects of the module in a value."""
+    if isinstance(value, tuple):
+        return [part for one in value[:5] for part in parts_of(one)]  # as many as show what a member may be
+    return [value] if type(value).__module__ == "poecal" and not hasattr(value, "__members__") else []
+
+
 def body_of(name):
     """What stands between the braces of a type in the headers; nothing where there is no such type."""
     found = re.search(rf"^(?:struct|class|enum class) {name}\b[^;{{]*{{", CODE, re.MULTILINE)
@@ -110,6 +150,29 @@ def body_of(name):
 def own_names(names):
     """Without the PEP 8 names of others."""
     return names - {pep8(name) for name in names if pep8(name) != name}
+
+
+class Types(unittest.TestCase):
+    def test_of_members_are_those_of_real_objects(self):
+        annotations = {
+            name: {member: ast.unparse(node.annotation) for member, node in names_in(stubbed()[name].body).items() if isinstance(node, ast.AnnAssign)}
+            for name in classes()
+        }
+        seen, left, wrong = set(), found_objects(), set()
+        while left:
+            one = left.pop()
+            name = type(one).__name__
+            seen.add(name)
+            for member, annotation in annotations[name].items():
+                value = getattr(one, member)
+                if not fits(annotation, value):
+                    wrong.add(f"{name}.{member} is {type(value).__name__}, expected {annotation}")
+                left += parts_of(value)
+        self.assertEqual(wrong, set())
+        results = {name for name, kind in classes().items() if any(isinstance(member, property) for member in vars(kind).values())}
+        enumerations = {name for name, kind in classes().items() if hasattr(kind, "__members__")}
+        # Of clean captures there are no bad rows and no rivals of a finding.
+        self.assertLessEqual(results - enumerations - seen, {"AlternativeCause", "BadSample", "SuspectRow"})
 
 
 class Names(unittest.TestCase):
