@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# apps/install-dependencies.sh [--workflow] [--ci]: installs the Debian 12 packages that poecal is built and tested with. --workflow adds
-# snakemake (80 packages, 680 MB), without which the tests of apps/workflow skip; --ci adds what only .ci/run needs. Needs no network where
-# all packages are there already.
+# apps/install-dependencies.sh [--workflow] [--python] [--ci]: installs the Debian 12 packages that poecal is built and tested with.
+# --workflow adds snakemake (80 packages, 680 MB), without which the tests of apps/workflow skip; --python what the Python module is built
+# and used with; --ci what only .ci/run needs. Needs no network where all packages are there already.
 set -euo pipefail
 
 packages=(
@@ -20,9 +20,10 @@ packages=(
 for option in "$@"; do
   case $option in
     --workflow) packages+=(snakemake) ;;
-    --ci) packages+=(chromium clang-format clang-tidy doxygen librsvg2-bin man-db poppler-utils zsh) ;;
+    --python) packages+=(pybind11-dev python3-dev python3-numpy) ;;
+    --ci) packages+=(chromium clang-format clang-tidy doxygen librsvg2-bin man-db mypy poppler-utils python3-matplotlib zsh) ;;
     *)
-      echo "error: unknown option $option, expected --workflow or --ci" >&2
+      echo "error: unknown option $option, expected --workflow, --python or --ci" >&2
       exit 2
       ;;
   esac

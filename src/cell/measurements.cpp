@@ -1,8 +1,10 @@
 #include "poecal/cell/measurements.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "poecal/core/error.hpp"
 
@@ -53,6 +55,49 @@ void Measurements::addMeasured(const MeasuredPose& measured) {
   Observation observation = poseObservation(measured, kStartPosition, kStartRotation);
   observation.sample = samples.size() - 1;
   observations.push_back(std::move(observation));
+}
+
+/// Takes up the further columns of a table that is about to be added.
+void Measurements::beginRows(const SampleTable& table, const char* what, std::size_t count) {
+  if (count != table.samples.size()) {
+    throw InvalidArgument(fmt::format("{} {} for {} samples, expected one for each", count, what, table.samples.size()));
+  }
+  if (samples.empty()) other_columns = table.other_columns;
+  if (table.other_columns == other_columns) return;
+  throw InvalidArgument(fmt::format("the further columns are {}, expected {} as those before have", fmt::join(table.other_columns, ", "),
+                                    fmt::join(other_columns, ", ")));
+}
+
+void Measurements::addPictures(const SampleTable& table, const std::vector<Eigen::MatrixX2d>& px, std::optional<double> sigma) {
+  beginRows(table, "pictures", px.size());
+  std::vector<std::vector<Corner>> corners(px.size());
+  for (std::size_t k = 0; k < px.size(); ++k) {
+    if (px[k].rows() != static_cast<Eigen::Index>(target.points.size())) {
+      throw InvalidArgument(
+          fmt::format("picture {}: {} corners, expected {} as the target has points", k, px[k].rows(), target.points.size()));
+    }
+    for (std::size_t j = 0; j < target.points.size(); ++j) {
+      const Eigen::Vector2d at = px[k].row(static_cast<Eigen::Index>(j));
+      if (at.array().isNaN().all()) continue;
+      if (!at.allFinite()) throw InvalidArgument(fmt::format("picture {}: {} is half a number", k, nameOf(target.points[j].id)));
+      corners[k].push_back({.id = target.points[j].id, .px = at, .sigma = sigma.value_or(std::numeric_limits<double>::quiet_NaN())});
+    }
+  }
+  for (std::size_t k = 0; k < px.size(); ++k) addPicture(table.samples[k], corners[k]);
+}
+
+void Measurements::addPoses(const SampleTable& table, const std::vector<Eigen::Isometry3d>& T_instrument_tool,
+                            std::optional<double> sigma_position, std::optional<double> sigma_rotation) {
+  beginRows(table, "poses", T_instrument_tool.size());
+  for (std::size_t k = 0; k < table.samples.size(); ++k) addPose(table.samples[k], T_instrument_tool[k], sigma_position, sigma_rotation);
+}
+
+void Measurements::addPositions(const SampleTable& table, const Eigen::MatrixX3d& p_instrument, std::optional<double> sigma_position) {
+  beginRows(table, "positions", static_cast<std::size_t>(p_instrument.rows()));
+  if (!p_instrument.allFinite()) throw InvalidArgument("a position is not finite, expected three numbers for each sample");
+  for (std::size_t k = 0; k < table.samples.size(); ++k) {
+    addPosition(table.samples[k], p_instrument.row(static_cast<Eigen::Index>(k)), sigma_position);
+  }
 }
 
 std::vector<std::vector<std::size_t>> Measurements::poseGroups() const {

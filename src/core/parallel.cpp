@@ -1,6 +1,7 @@
 #include "poecal/core/parallel.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -18,11 +19,16 @@ int resolveJobs(int jobs) {
 
 void parallelFor(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {
   std::vector<std::exception_ptr> failures(count);
+  std::atomic<std::size_t> lowest{count};  // that failed: what comes after it changes nothing
   const auto guarded = [&](std::size_t i) {
+    if (i > lowest) return;
     try {
       work(i);
     } catch (...) {
       failures[i] = std::current_exception();
+      std::size_t before = lowest;
+      while (i < before && !lowest.compare_exchange_weak(before, i)) {
+      }
     }
   };
   // More threads than cores gain nothing, and TBB complains of them on stderr.

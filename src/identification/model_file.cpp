@@ -4,6 +4,7 @@
 #include "core/yaml.hpp"
 #include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/identification/model.hpp"
 #include "robot/robot_yaml.hpp"
 #include "target/target_yaml.hpp"
@@ -57,6 +58,11 @@ void readRegistration(const YamlNode& root, Model& model) {
 }
 
 }  // namespace
+
+RealArm realArm(const Model& model) {
+  if (!model.cell.arm) throw InvalidArgument("this model has no arm");
+  return {.arm = *model.cell.arm, .effects = model.effects, .gravity = model.gravity};
+}
 
 std::string modelYaml(const Model& model) {
   std::string text = "format: poecal-model/1\n";

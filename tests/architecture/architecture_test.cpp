@@ -95,9 +95,12 @@ TEST_F(FakeTree, ForgottenFilesAreSeen) {
   tree_.write("src/high/a.cpp", "");  // listed in another folder's list
   tree_.write("src/low/unused.hpp", "");
   tree_.write("tests/low/a_test.cpp", "");
+  tree_.write("tests/low/b_test.py", "");
+  tree_.write("tests/low/shared.py", "");  // for the tests beside it
   EXPECT_THAT(forgottenFiles(root()),
               ElementsAre("include/poecal/low/new.hpp:1: no CMakeLists.txt lists it", "src/high/a.cpp:1: no CMakeLists.txt lists it",
-                          "src/low/unused.hpp:1: nobody includes it", "tests/low/a_test.cpp:1: no CMakeLists.txt lists it"));
+                          "src/low/unused.hpp:1: nobody includes it", "tests/low/a_test.cpp:1: no CMakeLists.txt lists it",
+                          "tests/low/b_test.py:1: no CMakeLists.txt lists it"));
 }
 
 TEST_F(FakeTree, WordsAreSeenOutsideTestsAlone) {

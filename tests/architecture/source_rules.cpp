@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 bool isHeader(const fs::path& file) { return file.extension() == ".hpp"; }
 bool isSource(const fs::path& file) { return file.extension() == ".cpp"; }
+bool isPythonTest(const fs::path& file) { return file.filename().string().ends_with("_test.py"); }
 
 /// Files below root/folder, relative to root, sorted; none where there is no such folder. Folders in `passed_over` are not entered.
 std::vector<fs::path> filesBelow(const fs::path& root, const fs::path& folder, const std::set<std::string>& passed_over = {}) {
@@ -205,7 +206,7 @@ Violations forgottenFiles(const fs::path& root) {
   Violations violations;
   for (const fs::path& file : files) {
     const bool public_header = *file.begin() == "include";
-    if ((isSource(file) || public_header) && !listed.contains(file.string())) {
+    if ((isSource(file) || isPythonTest(file) || public_header) && !listed.contains(file.string())) {
       violations.push_back(place(file, 1) + "no CMakeLists.txt lists it");
     } else if (isHeader(file) && !public_header && !included.contains(file.filename().string())) {
       violations.push_back(place(file, 1) + "nobody includes it");

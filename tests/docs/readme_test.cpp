@@ -27,8 +27,9 @@ std::vector<std::string> linesWith(const std::string& text, const std::string& w
   return lines;
 }
 
-TEST(Readme, ShowsTheExampleThatIsBuiltAndRun) {
+TEST(Readme, ShowsTheExamplesThatAreRun) {
   EXPECT_THAT(readme(), HasSubstr("```cpp\n" + readTextFile(kProject / "tests/consumer/project/calibrate.cpp") + "```\n"));
+  EXPECT_THAT(readme(), HasSubstr("```python\n" + readTextFile(kProject / "tests/python/readme_example.py") + "```\n"));
 }
 
 // Figures of the help and of README are of the same runs: whoever renews one of them renews the other.

@@ -161,7 +161,7 @@ int runCompensate(const CompensateOptions& options, const Common& common) {
   const std::optional<Arm> nominal = nominalArm(options, model);
   const SampleTable wanted = wantedOf(options, model, nominal);
   if (wanted.samples.empty()) throw InsufficientData(wanted.file.string() + ": no rows, expected one per pose");
-  const RealArm arm{.arm = *model.cell.arm, .effects = model.effects, .gravity = model.gravity};
+  const RealArm arm = realArm(model);
   const std::vector<JointCommand> commands = compensate(arm, wanted, nominal ? &*nominal : nullptr);
   refuseUnreached(options, common, wanted, commands);
   if (nominal) warnOfLargeMoves(wanted, commands);

@@ -39,11 +39,25 @@ struct Measurements {
   /// Adds a position of the tool that an instrument measured, its deviation per axis [m].
   void addPosition(const Sample& sample, const Eigen::Vector3d& p_instrument, std::optional<double> sigma_position = std::nullopt);
 
+  /// Adds a picture for each row of a table. @param px  of each picture m x 2, the pixels of target.points in their order; NaN for a point
+  /// that is not seen. @param sigma  of every corner, per axis [px]; unset where none is stated.
+  /// @throws InvalidArgument: another number of pictures than rows or of corners than points, a corner that is NaN in one axis alone, a
+  /// table with other further columns than those added before.
+  void addPictures(const SampleTable& table, const std::vector<Eigen::MatrixX2d>& px, std::optional<double> sigma = std::nullopt);
+  /// Adds a pose, or a position (N x 3), for each row of a table, as addPose() and addPosition() do.
+  /// @throws InvalidArgument: another number of them than rows, a position that is not finite, a table with other further columns.
+  void addPoses(const SampleTable& table, const std::vector<Eigen::Isometry3d>& T_instrument_tool,
+                std::optional<double> sigma_position = std::nullopt, std::optional<double> sigma_rotation = std::nullopt);
+  void addPositions(const SampleTable& table, const Eigen::MatrixX3d& p_instrument, std::optional<double> sigma_position = std::nullopt);
+
   /// `groups`, or where that is empty the observations grouped as poseGroups() groups their samples.
   std::vector<std::vector<std::size_t>> poseGroups() const;
 
   /// Adds a row of a table of poses.
   void addMeasured(const MeasuredPose& measured);
+
+ private:
+  void beginRows(const SampleTable& table, const char* what, std::size_t count);
 };
 
 /// The corners of a capture. Pictures without corners of the target give no observation.

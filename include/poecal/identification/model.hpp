@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "poecal/cell/cell.hpp"
+#include "poecal/compensation/compensate.hpp"
 #include "poecal/effects/effect.hpp"
 #include "poecal/target/target.hpp"
 
@@ -30,6 +31,9 @@ struct Model {
   std::string method;                           ///< "gao", "weighted", "bundle"
   std::string urdf, base_link, tip_link;        ///< where the arm came from a URDF
 };
+
+/// The arm of a model as it really moves. @throws InvalidArgument where the model has no arm.
+RealArm realArm(const Model& model);
 
 /// Text of model.yaml (format poecal-model/1).
 std::string modelYaml(const Model& model);

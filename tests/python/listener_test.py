@@ -1,0 +1,157 @@
+"""Long calls tell Python how far they are, let its other threads run, and stop where it says so."""
+import shutil
+import signal
+import sys
+import threading
+import unittest
+import warnings
+
+import poecal
+
+import cells
+
+
+class Heard(poecal.Listener):
+    def __init__(self):
+        super().__init__()
+        self.told, self.warned = [], []
+
+    def warning(self, message):
+        self.warned.append(message)
+
+    def progress(self, label, done, total):
+        self.told.append((label, done, total))
+
+
+class Stops(poecal.Listener):
+    """Does something at the third picture."""
+
+    def __init__(self, action):
+        super().__init__()
+        self.action, self.told = action, []
+
+    def progress(self, label, done, total):
+        self.told.append((done, total))
+        if done == 3:
+            self.action()
+
+
+def spoilt_capture():
+    capture = cells.new_folder() / "capture"
+    shutil.copytree(cells.pictures_capture(), capture)
+    picture = sorted((capture / "images").iterdir())[4]
+    picture.write_bytes(picture.read_bytes()[:200])
+    return capture, picture.name
+
+
+class Told(unittest.TestCase):
+    def test_each_picture_counts_once(self):
+        for jobs in (1, 2):
+            listener = Heard()
+            poecal.loadCapture(cells.pictures_capture(), cells.new_folder() / "out", jobs, listener)
+            self.assertEqual([done for _, done, _ in listener.told], list(range(1, 13)))
+            self.assertEqual({total for _, _, total in listener.told}, {12})
+            self.assertEqual(listener.warned, [])
+
+    def test_a_picture_that_cannot_be_read_is_a_warning(self):
+        capture, name = spoilt_capture()
+        listener = Heard()
+        poecal.loadCapture(capture, cells.new_folder() / "out", listener=listener)
+        self.assertEqual(len([message for message in listener.warned if name in message]), 1, listener.warned)
+
+    def test_without_a_listener_it_is_a_warning_of_python(self):
+        capture, name = spoilt_capture()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            poecal.loadCapture(capture, cells.new_folder() / "out")
+        self.assertEqual(len([one for one in caught if name in str(one.message)]), 1, caught)
+        with warnings.catch_warnings(), self.assertRaisesRegex(UserWarning, name):
+            warnings.simplefilter("error")
+            poecal.loadCapture(capture, cells.new_folder() / "out")
+
+
+class Stopped(unittest.TestCase):
+    def stopped(self, action, error, jobs):
+        listener, out = Stops(action), cells.new_folder() / "out"
+        with self.assertRaises(error) as caught:
+            poecal.runCapture(cells.pictures_capture(), out, poecal.CalibrateOptions(jobs=jobs), listener=listener)
+        self.assertFalse((out / "model.yaml").exists())
+        return listener, caught.exception
+
+    def test_an_exception_of_the_listener_comes_out(self):
+        def refuse():
+            raise LookupError("enough")
+
+        for jobs in (1, 2):
+            _, error = self.stopped(refuse, LookupError, jobs)
+            self.assertEqual(error.args, ("enough",))
+
+    def test_nothing_more_is_worked_on(self):
+        def refuse():
+            raise LookupError("enough")
+
+        listener, _ = self.stopped(refuse, LookupError, 1)
+        self.assertEqual(listener.told, [(1, 12), (2, 12), (3, 12), (0, 0)])  # (0, 0): the job has failed
+
+    def test_control_c_stops_it(self):
+        listener, _ = self.stopped(lambda: signal.raise_signal(signal.SIGINT), KeyboardInterrupt, 1)
+        self.assertEqual(listener.told[-1], (0, 0))
+
+    def test_a_signal_stops_it_where_nobody_listens(self):
+        def interrupt(*_):
+            raise KeyboardInterrupt
+
+        before, out = signal.signal(signal.SIGALRM, interrupt), cells.new_folder() / "out"
+        try:
+            with self.assertRaises(KeyboardInterrupt):
+                signal.setitimer(signal.ITIMER_REAL, 1e-3)  # less than a picture takes
+                poecal.runCapture(cells.pictures_capture(), out)
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        self.assertFalse((out / "model.yaml").exists())
+
+    def test_a_listener_that_fails_at_the_end_of_a_failure_does_not_hide_it(self):
+        class Fails(poecal.Listener):
+            def progress(self, label, done, total):
+                raise LookupError("first" if total > 0 else "second")
+
+        heard = []
+        hook, sys.unraisablehook = sys.unraisablehook, heard.append
+        try:
+            with self.assertRaisesRegex(LookupError, "first"):
+                poecal.loadCapture(cells.pictures_capture(), cells.new_folder() / "out", 1, Fails())
+        finally:
+            sys.unraisablehook = hook
+        self.assertEqual([str(one.exc_value) for one in heard], ["second"])
+
+
+class OtherThreads(unittest.TestCase):
+    def test_run_meanwhile(self):
+        # With this interval nobody gets Python's lock who is not given it: by the sleeping thread below, and by a long call.
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(1000.0)
+        counted, stop, ready = [0], threading.Event(), threading.Event()
+
+        def count():
+            while not stop.is_set():
+                counted[0] += 1
+                ready.set()
+                stop.wait(1e-4)
+
+        loaded = poecal.loadCapture(cells.corners_capture(), cells.new_folder() / "out")
+        thread = threading.Thread(target=count)
+        try:
+            thread.start()
+            ready.wait()
+            before = counted[0]
+            poecal.calibrate(loaded.nominal, loaded.measurements)
+            after = counted[0]
+        finally:
+            sys.setswitchinterval(interval)
+            stop.set()
+            thread.join()
+        self.assertGreater(after, before + 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
