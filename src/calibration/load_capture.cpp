@@ -102,6 +102,9 @@ LoadedCapture loadCapture(const CaptureSource& source, const std::filesystem::pa
   loaded.capture = openCapture(source);
   if (loaded.capture.camera) listener.warnings(loaded.capture.camera->remarks);
   const Capture& capture = loaded.capture;
+  if (capture.reference && capture.setup == Setup::kEyeInHand) {
+    listener.warning("reference: is not used: before a camera on the flange every tag that stands still moves, as the target does");
+  }
   std::vector<std::filesystem::path> files = filesOf(capture, true);
   if (!source.intrinsics.empty()) files.push_back(source.intrinsics);
   const std::vector<std::filesystem::path> results = resultsOf(capture, out);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,6 +14,17 @@ namespace {
 
 // Where a table of poses states no deviations these are only where their estimation starts.
 constexpr double kStartPosition = 1e-3, kStartRotation = 3e-3;
+
+void addReference(const Capture& capture, const Detections& detections, std::vector<Observation>& observations) {
+  std::map<std::size_t, std::vector<CornerMeasurement>> seen;
+  for (Observation& observation : cornerObservations(capture.table, detections, *capture.reference)) {
+    seen[observation.sample] = std::move(observation.corners);
+  }
+  for (Observation& observation : observations) {
+    const auto found = seen.find(observation.sample);
+    if (found != seen.end()) observation.reference = found->second;
+  }
+}
 
 std::string nameOf(const PointId& id) { return fmt::format("tag {}, corner {}", id.tag, id.corner); }
 
@@ -115,6 +127,7 @@ Measurements measurementsOf(const Capture& capture, const Detections& detections
   measurements.samples = capture.table.samples;
   measurements.other_columns = capture.table.other_columns;
   measurements.observations = cornerObservations(capture.table, detections, capture.target);
+  if (capture.reference) addReference(capture, detections, measurements.observations);
   for (const ImageCorners& image : detections.images) {
     for (const Corner& corner : image.corners) measurements.sigmas_stated = measurements.sigmas_stated || std::isfinite(corner.sigma);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -330,6 +331,23 @@ void curveAction(const Candidate& candidate, const ObservationRows& part, Eigen:
   for (Eigen::Index axis = 0; axis < port.cols(); ++axis) action.middleCols(axis * waves.cols(), waves.cols()) = port.col(axis) * waves;
 }
 
+bool showsReference(const MeasuredCell& measured) {
+  return measured.start.registration.setup == Setup::kEyeToHand &&
+         std::any_of(measured.observations.begin(), measured.observations.end(),
+                     [](const Observation& observation) { return !observation.reference.empty(); });
+}
+
+/// Beside each candidate at the camera's mount, which may be the base that moved, the same with the reference moving too.
+void addCameraMoves(std::vector<Candidate>& candidates) {
+  const std::size_t count = candidates.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (candidates[i].place.kind != PlaceKind::kCameraMount || candidates[i].entry().reach != Reach::kPose) continue;
+    candidates[i].log_prior -= std::numbers::ln2;
+    candidates.push_back(candidates[i]);
+    candidates.back().moves_reference = true;
+  }
+}
+
 }  // namespace
 
 CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state) {
@@ -356,6 +374,7 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
     curve.log_prior = std::log(kSearch.curve_share / static_cast<double>(curves.size()));
     list.candidates.push_back(std::move(curve));
   }
+  if (showsReference(measured)) addCameraMoves(list.candidates);
   return list;
 }
 

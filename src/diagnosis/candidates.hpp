@@ -51,6 +51,9 @@ struct Candidate {
   std::optional<Effect> mass_errors;
   Eigen::VectorXd typical;  ///< 1 sigma of each column's factor on real cells
   double log_prior = 0.0;   ///< share among all explanations
+  /// At camera.mount, where the pictures show a reference: whether it is the camera that moves, which moves the reference too, and not the
+  /// base. Both are weighed, as two ways to one answer.
+  bool moves_reference = false;
 
   bool known() const { return effect.has_value(); }
   /// Waves of several joint angles, however many of them.

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 namespace poecal {
 
 ColumnPrior ColumnPrior::none(Eigen::Index columns) {
@@ -21,6 +23,16 @@ ColumnPrior ColumnPrior::joinedWith(const ColumnPrior& other) const {
   both.precision.bottomRightCorner(other.offset.size(), other.offset.size()) = other.precision;
   both.log_determinant = log_determinant + other.log_determinant;
   return both;
+}
+
+ColumnPrior ColumnPrior::informedBy(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, double& log_mass) const {
+  ColumnPrior informed{offset, precision + S, 0.0};
+  const Eigen::LLT<Eigen::MatrixXd> llt(informed.precision);
+  const Eigen::VectorXd pull = u - precision * offset;
+  informed.offset = -llt.solve(pull);
+  informed.log_determinant = 2.0 * llt.matrixLLT().diagonal().array().log().sum();
+  log_mass = 0.5 * (-pull.dot(informed.offset) - offset.dot(precision * offset) + log_determinant - informed.log_determinant);
+  return informed;
 }
 
 ColumnPrior basePrior(const MeasuredCell& measured, const ModelState& state, double tolerance) {

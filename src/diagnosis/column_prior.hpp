@@ -17,6 +17,9 @@ struct ColumnPrior {
   /// Independent columns.
   static ColumnPrior independent(const Eigen::VectorXd& sigma, const Eigen::VectorXd& offset);
   ColumnPrior joinedWith(const ColumnPrior& other) const;
+  /// With further rows that tell of these columns alone, of information S and score u at b = 0. Precise in every direction.
+  /// @param log_mass  gets log of the integral of prior(b) exp(u'b - b'Sb/2).
+  ColumnPrior informedBy(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, double& log_mass) const;
 };
 
 /// The base model's prior: twists by the tolerances widened by `tolerance`, stated intrinsics, the far transform by kFarPosition.

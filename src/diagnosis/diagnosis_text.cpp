@@ -105,6 +105,7 @@ std::string findingText(const Diagnosis& diagnosis, const Finding& finding) {
   if (finding.effect != "bad_samples" && !(random && !finding.shrinkage.claimed())) {
     text += howFar(finding.shrinkage);
   }
+  if (!finding.reference.empty()) text += fmt::format("  {}\n", finding.reference);
   if (!finding.remedy.empty()) text += fmt::format("  what to do: {}\n", finding.remedy);
   if (!finding.separate_with.empty()) text += fmt::format("  to tell them apart: {}\n", finding.separate_with);
   return text;

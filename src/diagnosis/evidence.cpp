@@ -22,6 +22,18 @@ double logMeanExp(const std::vector<double>& values) {
   return largest + std::log(sum / static_cast<double>(values.size()));
 }
 
+/// The effects that change what is seen of a reference.
+std::vector<AppliedEffect> seenOfReference(const ModelState& state, const std::vector<Accepted>& accepted) {
+  std::vector<AppliedEffect> seen;
+  for (const Accepted& one : accepted) {
+    const bool lens = one.candidate.place.kind == PlaceKind::kCameraLens;
+    if (one.candidate.known() && one.effect < state.effects.size() && (lens || one.candidate.moves_reference)) {
+      seen.push_back(state.effects[one.effect]);
+    }
+  }
+  return seen;
+}
+
 ColumnPrior priorOf(const std::vector<Accepted>& accepted) {
   ColumnPrior prior = ColumnPrior::none(0);
   for (const Accepted& one : accepted) prior = prior.joinedWith(ColumnPrior::independent(fittedSpread(one), one.factors));
@@ -75,7 +87,7 @@ double withinMisfit(const Linearised& linear, const MeasuredCell& measured, cons
                     double log_bayes) {
   const ColumnPrior prior = basePrior(measured, linear.state, tolerance).joinedWith(linear.column_prior);
   const NoiseEstimate without = likelihoodsAt(linear.rows, linear.components, theta, linear.columns, {prior}).front();
-  return std::min(log_bayes, 0.5 * without.misfit);
+  return std::min(log_bayes, 0.5 * (without.misfit + (linear.reference ? linear.reference->misfit() : 0.0)));
 }
 
 std::size_t largest(const std::vector<double>& values) {
@@ -147,7 +159,10 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
                     .accepted = accepted,
                     .rows = captureRows(measured, state, groups),
                     .columns = {},
+                    .plain_prior = {},
                     .column_prior = {},
+                    .reference = {},
+                    .reference_motions = {},
                     .components = {},
                     .noise = {},
                     .settled = true,
@@ -155,6 +170,11 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
   Eigen::Index width = 0;
   for (const Accepted& one : accepted) width += one.candidate.typical.size();
   linear.columns.resize(linear.rows.size(), width);
+  ReferenceSight sight(measured, state.cell.cell, seenOfReference(state, accepted), linear.rows);
+  if (!sight.empty()) linear.reference = std::move(sight);
+  if (linear.reference) {
+    linear.reference_motions = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(linear.rows.observations.size()), width);
+  }
   Eigen::Index begin = 0;
   for (const Accepted& one : accepted) {
     const Eigen::MatrixXd columns = columnsOf(one.candidate, linear.rows);
@@ -162,13 +182,31 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
     const Eigen::Index own = one.candidate.known() ? static_cast<Eigen::Index>(one.candidate.linear.size()) : 0;
     const Eigen::Index rest = columns.cols() - own;
     linear.rows.r -= columns.rightCols(rest) * one.factors.tail(rest);
+    if (linear.reference) {
+      const Eigen::MatrixXd motions = linear.reference->motionsOf(one.candidate, linear.rows);
+      if (motions.cols() > 0) {
+        linear.reference_motions.middleCols(begin, columns.cols()) = motions;
+        linear.reference->take(motions.rightCols(rest) * one.factors.tail(rest));
+      }
+    }
     linear.columns.middleCols(begin, columns.cols()) = columns;
     begin += columns.cols();
   }
-  linear.column_prior = priorOf(accepted);
+  linear.believe(priorOf(accepted));
   linear.components = noiseComponents(measured, linear.rows);
   for (const std::size_t k : scatter) linear.components.push_back(jointScatter(linear.rows, k, kStartScatter * kStartScatter));
   return linear;
+}
+
+void Linearised::believe(const ColumnPrior& prior) {
+  plain_prior = column_prior = prior;
+  if (!reference) return;
+  double log_mass = 0.0;
+  column_prior =
+      prior.informedBy(reference->information(reference_motions, reference_motions), reference->score(reference_motions), log_mass);
+  const double determinants = 0.5 * (prior.log_determinant - column_prior.log_determinant);
+  reference_misfit = reference->misfit() - 2.0 * (log_mass - determinants);
+  reference_log = log_mass - 0.5 * reference->misfit();
 }
 
 void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearised& linear) {
@@ -181,13 +219,34 @@ WhiteResidual whiteResidual(const Linearised& linear) {
   return white;
 }
 
+ReferenceInformation referenceInformation(const Linearised& linear, const Candidate& candidate) {
+  ReferenceInformation told;
+  if (!linear.reference) return told;
+  const Eigen::MatrixXd motions = linear.reference->motionsOf(candidate, linear.rows);
+  if (motions.cols() == 0) return told;
+  const Eigen::Index before = linear.columns.cols(), own = motions.cols();
+  told.S = Eigen::MatrixXd::Zero(before + own, before + own);
+  told.S.topRightCorner(before, own) = linear.reference->information(linear.reference_motions, motions);
+  told.S.bottomLeftCorner(own, before) = told.S.topRightCorner(before, own).transpose();
+  told.S.bottomRightCorner(own, own) = linear.reference->information(motions, motions);
+  told.u = Eigen::VectorXd::Zero(before + own);
+  told.u.tail(own) = linear.reference->score(motions);
+  return told;
+}
+
 ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measured, const Candidate& candidate, const Evidence& screened) {
   const Eigen::MatrixXd columns = columnsOf(candidate, linear.rows);
   Eigen::MatrixXd extra(linear.rows.size(), linear.columns.cols() + columns.cols());
   extra << linear.columns, columns;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(columns.cols());
-  const auto prior = [&](double scale) {
-    return linear.column_prior.joinedWith(ColumnPrior::independent(candidate.spread(scale, screened.found), zero));
+  const ReferenceInformation told = referenceInformation(linear, candidate);
+  const auto prior = [&](double scale, double* log_mass = nullptr) {
+    ColumnPrior joined = linear.column_prior.joinedWith(ColumnPrior::independent(candidate.spread(scale, screened.found), zero));
+    if (told.S.size() == 0) return joined;
+    double mass = 0.0;
+    joined = joined.informedBy(told.S, told.u, mass);
+    if (log_mass != nullptr) *log_mass = mass;
+    return joined;
   };
   ExactEvidence exact;
   exact.scale = screened.scale;
@@ -195,16 +254,18 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
       estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(screened.scale), &linear.noise, kPrecision);
   const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
   std::vector<ColumnPrior> priors{base.joinedWith(prior(screened.scale))};
-  for (const double scale : evidenceScales()) priors.push_back(base.joinedWith(prior(scale)));
+  std::vector<double> masses;
+  for (const double scale : evidenceScales()) priors.push_back(base.joinedWith(prior(scale, &masses.emplace_back(0.0))));
   const std::vector<NoiseEstimate> estimates = likelihoodsAt(linear.rows, linear.components, exact.noise.theta, extra, priors);
   const double penalty = estimates.front().log_likelihood - exact.noise.log_likelihood;
   std::vector<double> over_scales;
   double best = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < evidenceScales().size(); ++i) {
     const NoiseEstimate& here = estimates[i + 1];
-    over_scales.push_back(here.log_likelihood - penalty - linear.noise.log_likelihood);
-    if (here.log_likelihood > best) {
-      best = here.log_likelihood;
+    const double likelihood = here.log_likelihood + masses[i];
+    over_scales.push_back(likelihood - penalty - linear.noise.log_likelihood);
+    if (likelihood > best) {
+      best = likelihood;
       exact.scale = evidenceScales()[i];
       exact.noise.b = here.b;
       exact.noise.covariance = here.covariance;

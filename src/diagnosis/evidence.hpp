@@ -1,10 +1,12 @@
 // How strongly the rows speak for an explanation, with the noise estimated anew beside it; screening.hpp weighs all of them at once.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "diagnosis/candidates.hpp"
 #include "diagnosis/noise.hpp"
+#include "diagnosis/reference_sight.hpp"
 
 namespace poecal {
 
@@ -24,9 +26,13 @@ Eigen::VectorXd fittedSpread(const Accepted& one);
 struct Linearised {
   ModelState state;
   std::vector<Accepted> accepted;
-  CaptureRows rows;         ///< r without the linear parts of what was accepted
-  Eigen::MatrixXd columns;  ///< of what was accepted
-  ColumnPrior column_prior;
+  CaptureRows rows;                         ///< r without the linear parts of what was accepted
+  Eigen::MatrixXd columns;                  ///< of what was accepted
+  ColumnPrior plain_prior;                  ///< of `columns`, before the reference is looked at
+  ColumnPrior column_prior;                 ///< with it
+  std::optional<ReferenceSight> reference;  ///< where the pictures show one
+  Eigen::MatrixXd reference_motions;        ///< by each of `columns`; zero where a column moves no camera
+  double reference_log = 0.0;               ///< log of what the reference makes of `columns`
   std::vector<NoiseComponent> components;
   NoiseEstimate noise;  ///< with all of this
   bool settled = true;  ///< refit() came to rest here
@@ -36,6 +42,13 @@ struct Linearised {
   Eigen::MatrixXd allColumns() const;
   /// r - X b.
   Eigen::VectorXd residual() const;
+  /// Takes up a prior of `columns`, and what the reference tells of them.
+  void believe(const ColumnPrior& prior);
+  /// Log of the likelihood of all rows, those of the reference too.
+  double logLikelihood() const { return noise.log_likelihood + reference_log; }
+  /// Misfit likewise.
+  double misfit() const { return noise.misfit + reference_misfit; }
+  double reference_misfit = 0.0;
 };
 
 /// @param groups  the poses to use; empty: all. @param scatter  joints that move at random by themselves.
@@ -71,6 +84,14 @@ Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Ca
 
 /// Sizes in units of the typical over which evidence is averaged.
 const std::vector<double>& evidenceScales();
+
+/// What the reference adds to a candidate beside the columns that are there: information and score on all of these, those of the
+/// candidate last. Empty where it adds nothing.
+struct ReferenceInformation {
+  Eigen::MatrixXd S;
+  Eigen::VectorXd u;
+};
+ReferenceInformation referenceInformation(const Linearised& linear, const Candidate& candidate);
 
 /// Evidence of one candidate with the noise estimated anew beside it.
 struct ExactEvidence {

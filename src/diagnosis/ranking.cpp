@@ -182,11 +182,11 @@ class Ranker {
     const ExactEvidence& exact = *answer.exact;
     all.back().factors = exact.noise.b.tail(count);
     // What is believed of its factors is the same here and where the fit ends, or belief would be taken for evidence.
-    plain.column_prior = linear.column_prior.joinedWith(ColumnPrior::independent(fittedSpread(all.back()), Eigen::VectorXd::Zero(count)));
+    plain.believe(linear.plain_prior.joinedWith(ColumnPrior::independent(fittedSpread(all.back()), Eigen::VectorXd::Zero(count))));
     setNoise(measured_, linear.noise, plain);
     const Linearised fitted = refit(measured_, linear.state, all, scatter, plain.noise, {}, true);
     if (!fitted.settled) return {};
-    return fitted.noise.log_likelihood - plain.noise.log_likelihood;
+    return fitted.logLikelihood() - plain.logLikelihood();
   }
 
   /// The best few with the noise estimated beside them.

@@ -28,14 +28,17 @@ struct FitPoint {
   ModelState state;
   std::vector<Accepted> accepted;
   NoiseEstimate noise;
+  double misfit = 0.0;  ///< of all rows
   std::size_t lost = 0;
 };
 
-FitPoint fitPoint(const Linearised& linear) { return {linear.state, linear.accepted, linear.noise, lostCorners(linear.rows)}; }
+FitPoint fitPoint(const Linearised& linear) {
+  return {linear.state, linear.accepted, linear.noise, linear.misfit(), lostCorners(linear.rows)};
+}
 
 /// Whether a step led to a place that serves the rows worse, both solved at the noise that it was made with.
 bool isWorse(const Linearised& here, const FitPoint& before) {
-  return lostCorners(here.rows) > before.lost || here.noise.misfit > before.noise.misfit;
+  return lostCorners(here.rows) > before.lost || here.misfit() > before.misfit;
 }
 
 /// An accepted effect's factors as parameters of the effect.

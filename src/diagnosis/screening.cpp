@@ -176,6 +176,23 @@ void addBlock(const std::vector<Candidate>& candidates, const CaptureRows& rows,
   chunk.score.noalias() += white.transpose() * seen.residual;
 }
 
+/// The rows of the reference beside those of the target.
+void addReference(const Linearised& linear, const std::vector<Candidate>& candidates, Chunk& chunk) {
+  const Eigen::Index before = linear.columns.cols();
+  Eigen::Index column = 0;
+  for (std::size_t k = 0; k < chunk.candidates.size(); ++k) {
+    const Candidate& candidate = candidates[chunk.candidates[k]];
+    const Eigen::Index width = candidate.typical.size();
+    const ReferenceInformation told = referenceInformation(linear, candidate);
+    if (told.S.size() > 0) {
+      chunk.information[k] += told.S.bottomRightCorner(width, width);
+      chunk.cross.block(chunk.cross.rows() - before, column, before, width) += told.S.topRightCorner(before, width);
+      chunk.score.segment(column, width) += told.u.tail(width) - told.S.bottomLeftCorner(width, before) * linear.noise.b.tail(before);
+    }
+    column += width;
+  }
+}
+
 }  // namespace
 
 std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candidate>& candidates) {
@@ -196,7 +213,8 @@ std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candida
   }
   std::vector<Evidence> all(candidates.size());
   parallelFor(chunks.size(), linear.jobs, [&](std::size_t i) {
-    const Chunk& chunk = chunks[i];
+    Chunk& chunk = chunks[i];
+    if (linear.reference) addReference(linear, candidates, chunk);
     // The covariance of what is there already is the inverse of its information with the priors.
     const Eigen::MatrixXd explained = linear.noise.covariance * chunk.cross;
     Eigen::Index column = 0;

@@ -345,7 +345,7 @@ class Selector {
     if (!found.accepted) return false;
     // The finding is in at its best scale, not at all of them.
     const double share = found.accepted->candidate.log_prior - std::log(static_cast<double>(evidenceScales().size()));
-    return linear_.noise.log_likelihood - others.noise.log_likelihood + share > kSearch.needed;
+    return linear_.logLikelihood() - others.logLikelihood() + share > kSearch.needed;
   }
 
   /// Whether these findings together were not settled on before with the same poses: what is then taken in and given up again goes on for

@@ -129,10 +129,11 @@ class Identifier {
       corner_noise_ = std::max(registration.corner_scale, 1e-6);
       result_.warnings.insert(result_.warnings.end(), registration.warnings.begin(), registration.warnings.end());
     } else {
-      const Adjustment registration = registerPoses(cell_, observations_, options_.robust);
-      registered_ = registration.cell;
+      const PoseRegistration registration = registerPoses(cell_, observations_, options_.robust);
+      registered_ = registration.adjustment.cell;
       closed_form_ = registered_.registration;
-      registration_deviation_ = registration.covariance.diagonal().cwiseSqrt();
+      registration_deviation_ = registration.adjustment.covariance.diagonal().cwiseSqrt();
+      result_.warnings.insert(result_.warnings.end(), registration.warnings.begin(), registration.warnings.end());
     }
     prepareFlangePoses();
   }

@@ -1,6 +1,8 @@
 #include "registration/known_transforms.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -10,6 +12,11 @@
 namespace poecal {
 namespace {
 
+// A loose arm that is still nominal misses by some times more where it may not shift; a transform in other units by thousands of times.
+constexpr double kFarWorse = 10.0;
+// Where it fits as well as this, nothing is contradicted.
+constexpr double kWorse = 1.2;
+
 Consensus fitted(const Cell& start, const Registration& closed_form, const std::vector<Observation>& observations,
                  const std::vector<HypothesisSample>& samples, bool robust) {
   Consensus found;
@@ -17,6 +24,29 @@ Consensus fitted(const Cell& start, const Registration& closed_form, const std::
   found.closed_form = closed_form;
   found.misfit = medianMisfit(found.fit.cell.registration, samples, misfitIn(found.fit.cell, observations));
   return found;
+}
+
+/// The registration with the near (or far) transform put where most samples see it if the other one is as known.
+Registration freed(const Registration& known, bool near, const std::vector<HypothesisSample>& samples, const Misfit& misfit) {
+  constexpr std::size_t kTried = 20;
+  Registration best = known;
+  double least = std::numeric_limits<double>::infinity();
+  const std::size_t stride = std::max<std::size_t>(1, samples.size() / kTried);
+  for (std::size_t k = 0; k < samples.size(); k += stride) {
+    for (const Eigen::Isometry3d& T_camera_target : samples[k].candidates) {
+      Registration one = known;
+      if (near) {
+        one.T_camera_near = T_camera_target * (samples[k].T_near_far * known.T_far_target).inverse();
+      } else {
+        one.T_far_target = (known.T_camera_near * samples[k].T_near_far).inverse() * T_camera_target;
+      }
+      const double median = medianMisfit(one, samples, misfit);
+      if (!(median < least)) continue;
+      least = median;
+      best = one;
+    }
+  }
+  return best;
 }
 
 /// What the poses say against a transform that is known; empty where nothing.
@@ -42,9 +72,19 @@ bool knowsBoth(const Registration& registration) {
 Consensus consensusAsKnown(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
                            bool robust) {
   Cell start = cell;
-  start.registration.T_camera_near = cell.registration.known_near->T;
-  start.registration.T_far_target = cell.registration.known_far->T;
-  return fitted(start, start.registration, observations, samples, robust);
+  Registration& known = start.registration;
+  known.T_camera_near = cell.registration.known_near->T;
+  known.T_far_target = cell.registration.known_far->T;
+  Consensus found = fitted(start, known, observations, samples, robust);
+  const Misfit misfit = misfitIn(cell, observations);
+  for (const bool near : {true, false}) {
+    const Registration other = freed(known, near, samples, misfit);
+    const std::string said = near ? contradiction(fmt::format("T_camera_{}", known.nearFrame()), other.T_camera_near, known.known_near)
+                                  : contradiction(fmt::format("T_{}_target", known.farFrame()), other.T_far_target, known.known_far);
+    if (said.empty() || found.misfit < kFarWorse * medianMisfit(other, samples, misfit)) continue;
+    throw ImplausibleCapture(said, InputPart::kRegistration);
+  }
+  return found;
 }
 
 std::vector<std::string> weighInKnown(const Cell& known, const std::vector<Observation>& observations,
@@ -62,11 +102,11 @@ std::vector<std::string> weighInKnown(const Cell& known, const std::vector<Obser
   start.registration.known_far = stated.known_far;
   const double by_itself = found.misfit;
   found = fitted(start, found.closed_form, observations, samples, robust);
-  // A loose arm that is still nominal misses by some times more where it may not shift; a transform in other units by thousands of times.
-  constexpr double kFarWorse = 10.0;
   if (!contradictions.empty() && !(found.misfit < kFarWorse * by_itself)) {
     throw ImplausibleCapture(contradictions.front(), InputPart::kRegistration);
   }
+  // Poses that hardly turn put a transform anywhere.
+  if (found.misfit < kWorse * by_itself) return {};
   return contradictions;
 }
 

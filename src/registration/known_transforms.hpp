@@ -11,7 +11,8 @@ namespace poecal {
 /// Whether nothing has to be searched: all of both transforms is known.
 bool knowsBoth(const Registration& registration);
 
-/// A registration that begins where both transforms are known to be, whatever the poses show.
+/// A registration that begins where both transforms are known to be, for poses that do not turn enough to find them.
+/// @throws ImplausibleCapture where the poses fit far better with one of the two elsewhere.
 Consensus consensusAsKnown(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
                            bool robust);
 

@@ -30,12 +30,14 @@ Consensus requireConsensus(const Cell& cell, const std::vector<Observation>& obs
   throw InsufficientData("no registration follows from these poses: the target must be seen in at least three different orientations");
 }
 
-void requireTurning(const Cell& cell, const std::vector<Observation>& observations) {
+int turningDirections(const Cell& cell, const std::vector<Observation>& observations) {
   std::vector<Eigen::Isometry3d> poses;
   for (const Observation& observation : observations) poses.push_back(nearFar(cell, observation));
-  if (rotationDirections(poses) == 0) {
-    throw InsufficientData("the arm never turned the flange by more than half a degree: registration needs poses of different orientation");
-  }
+  return rotationDirections(poses);
+}
+
+InsufficientData neverTurned() {
+  return InsufficientData("the arm never turned the flange by more than half a degree: registration needs poses of different orientation");
 }
 
 /// Sum of squares of one picture's corners in a cell, at the stated sigmas.
@@ -235,10 +237,11 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
         fmt::format("the target's pose is seen in {} picture{} of different poses, at least 3 are needed", usable, usable == 1 ? "" : "s"));
   }
   const bool both_known = knowsBoth(cell.registration);
-  if (!both_known) requireTurning(cell, observations);
+  const int turning = turningDirections(cell, observations);
+  if (!both_known && turning == 0) throw neverTurned();
 
   RegistrationResult result;
-  Consensus found = both_known
+  Consensus found = both_known && turning < 2
                         ? consensusAsKnown(cell, observations, hypotheses, options.robust)
                         : requireConsensus(cell, observations, hypotheses, {.hypotheses = options.hypotheses, .robust = options.robust});
   requirePlausible(cell, observations, hypotheses, found);
@@ -275,18 +278,21 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   return result;
 }
 
-Adjustment registerPoses(const Cell& cell, const std::vector<Observation>& observations, bool robust) {
+PoseRegistration registerPoses(const Cell& cell, const std::vector<Observation>& observations, bool robust) {
   if (observations.size() < 3) throw InsufficientData(fmt::format("{} poses, at least 3 are needed to register", observations.size()));
   // Positions alone tell of the frames by the ways between them, also where the tool keeps its orientation; where it then sits on the
   // flange stays open.
   const bool both_known = knowsBoth(cell.registration);
-  if (!observations.front().pose->position_only && !both_known) requireTurning(cell, observations);
+  const int turning = turningDirections(cell, observations);
+  if (!observations.front().pose->position_only && !both_known && turning == 0) throw neverTurned();
   const std::vector<HypothesisSample> samples = hypothesisSamples(cell, observations);
-  Consensus found = both_known ? consensusAsKnown(cell, observations, samples, robust)
-                               : requireConsensus(cell, observations, samples, {.robust = robust});
+  Consensus found = both_known && turning < 2 ? consensusAsKnown(cell, observations, samples, robust)
+                                              : requireConsensus(cell, observations, samples, {.robust = robust});
   requirePlausible(cell, observations, samples, found);
-  weighInKnown(cell, observations, samples, robust, found);
-  return std::move(found.fit);
+  PoseRegistration result;
+  result.warnings = weighInKnown(cell, observations, samples, robust, found);
+  result.adjustment = std::move(found.fit);
+  return result;
 }
 
 }  // namespace poecal

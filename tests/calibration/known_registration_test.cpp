@@ -103,6 +103,34 @@ TEST(KnownRegistration, ATransformThatThePicturesContradictIsTold) {
   }
 }
 
+/// What is said of a cell whose transforms are both known wrongly, or nothing.
+std::string saidOf(const Cell& stated, const Measurements& measurements) {
+  try {
+    calibrate(stated, measurements, {.last = CalibrationStep::kRegistration});
+  } catch (const ImplausibleInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(KnownRegistration, OfTwoTheWrongOneIsToldAndNoJointIsBlamed) {
+  Eigen::Isometry3d aside = Eigen::Isometry3d::Identity();
+  aside.translation().y() = 0.3;
+  for (const bool turns : {true, false}) {
+    test::TrueCell truth = turns ? test::TrueCell(65, Setup::kEyeToHand, false) : gantry();
+    const Measurements measurements = truth.pictures();
+    const Registration& right = truth.cell.registration;
+    Cell stated = truth.stated();
+    stated.registration.known_near = fixedAt(right.T_camera_near * aside);
+    stated.registration.known_far = fixedAt(right.T_far_target);
+    EXPECT_THAT(saidOf(stated, measurements), HasSubstr("T_camera_base is stated")) << turns;
+    stated.registration.known_near = fixedAt(right.T_camera_near);
+    stated.registration.known_far = fixedAt(right.T_far_target * aside);
+    // A tool that never turns shows only both together.
+    EXPECT_THAT(saidOf(stated, measurements), HasSubstr(turns ? "T_flange_target is stated" : "is stated")) << turns;
+  }
+}
+
 class KnownRegistrationFile : public ::testing::Test {
  protected:
   Registration read(const std::string& text) const {

@@ -199,8 +199,9 @@ MadeCapture makeCapture(const CaptureKind& kind, Rng& rng) {
 Said said(const MadeCapture& capture) {
   try {
     if (capture.observations.front().pose) {
-      registerPoses(capture.told, capture.observations, true);
-      return {};
+      std::string warnings;
+      for (const std::string& warning : registerPoses(capture.told, capture.observations, true).warnings) warnings += warning + "\n";
+      return {false, warnings};
     }
     std::string warnings;
     for (const std::string& warning : registerCell(capture.told, capture.observations, {}).warnings) warnings += warning + "\n";

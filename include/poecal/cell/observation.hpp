@@ -40,6 +40,9 @@ struct Observation {
   std::optional<Eigen::Isometry3d> T_base_flange;  ///< the controller's pose; used where there is no arm
   std::vector<CornerMeasurement> corners;
   std::optional<PoseMeasurement> pose;
+  /// Corners of tags in the same picture that never move, in their own frame: no part of any fit of the cell, but of what the diagnosis
+  /// believes of a camera that moves. Empty where there are none.
+  std::vector<CornerMeasurement> reference;
 
   /// Number of units that are weighted (and rejected) as one: each corner, or the pose.
   int unitCount() const { return pose ? 1 : static_cast<int>(corners.size()); }

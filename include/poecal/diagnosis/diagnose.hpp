@@ -73,6 +73,8 @@ struct Finding {
   std::vector<AlternativeCause> alternatives = {};
   std::string separate_with = {};  ///< what would tell the alternatives apart; empty where none is close
   std::string remedy = {};
+  /// At camera.mount, where the pictures show a reference: which of camera and base moved, and how that is known.
+  std::string reference = {};
   /// Compliances: largest turn [rad] or shift [m] that it makes over the capture's poses.
   std::optional<double> largest_deflection = {};
   std::vector<std::string> images = {};  ///< bad_samples: which

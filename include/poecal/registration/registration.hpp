@@ -64,9 +64,14 @@ struct RegistrationResult {
 /// order of joints, quaternions, setup, order of rows, size of the target, lens): the message says which.
 RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>& observations, const RegistrationOptions& options);
 
-/// The same from poses of an instrument: T_camera_near = T_instrument_base, T_far_target = T_flange_tool. `samples` hold no pixels.
+struct PoseRegistration {
+  Adjustment adjustment;
+  std::vector<std::string> warnings;  ///< known transforms that the poses contradict
+};
+
+/// The same from poses of an instrument: T_camera_near = T_instrument_base, T_far_target = T_flange_tool.
 /// @throws InsufficientData, ImplausibleCapture as registerCell.
-Adjustment registerPoses(const Cell& cell, const std::vector<Observation>& observations, bool robust);
+PoseRegistration registerPoses(const Cell& cell, const std::vector<Observation>& observations, bool robust);
 
 /// Fraction of the weight of an observation's units that a fit kept.
 double keptShare(const std::vector<double>& unit_weights);
