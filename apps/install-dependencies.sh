@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# apps/install-dependencies.sh [--workflow] [--ci]: installs the Debian 12 packages that poecal is built and tested with. --workflow adds
-# snakemake (80 packages, 680 MB), without which the tests of apps/workflow skip; --ci adds what only .ci/run needs. Needs no network where
-# all packages are there already.
+# apps/install-dependencies.sh [--workflow] [--ci] [--fuzz]: installs the Debian 12 packages that poecal is built and tested with. --workflow adds
+# snakemake (80 packages, 680 MB), without which the tests of apps/workflow skip; --ci adds what only .ci/run needs, --fuzz what only
+# tests/fuzz/run.sh does. Needs no network where all packages are there already.
 set -euo pipefail
 
 packages=(
@@ -21,8 +21,9 @@ for option in "$@"; do
   case $option in
     --workflow) packages+=(snakemake) ;;
     --ci) packages+=(chromium clang-format clang-tidy doxygen librsvg2-bin man-db poppler-utils zsh) ;;
+    --fuzz) packages+=(clang libclang-rt-14-dev) ;;
     *)
-      echo "error: unknown option $option, expected --workflow or --ci" >&2
+      echo "error: unknown option $option, expected --workflow, --ci or --fuzz" >&2
       exit 2
       ;;
   esac
