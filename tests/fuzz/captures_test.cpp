@@ -57,6 +57,7 @@ const Call kCalls[] = {
     {"run capture --out new", {"capture"}},
     {"run pictures --out new", {"pictures"}},
     {"detect pictures --out new/detections.csv", {"pictures"}},
+    {"detect pictures --known tables/1.corners --out new/detections.csv", {"tables", "pictures"}},
     {"intrinsics pictures/intrinsics --out new/camera.yaml", {"pictures"}},
     {"plan capture --model out/model.yaml --out new/next.csv --count 2 --candidates 20", {"capture", "out"}},
     {"plan capture --model out/model.yaml --out new/next.csv --count 2 --candidates 20 --separate", {"out"}},
@@ -121,6 +122,7 @@ const std::map<std::string, std::string>& wholeFolders() {
     if (run.status != 0) throw std::runtime_error("the capture is no good: " + run.err);
     runProgram(folder.path(), "predict capture --model out/model.yaml --out tables/wanted.csv --poses");
     fs::copy_file(folder.path() / "capture/samples.csv", folder.path() / "tables/joints.csv");
+    runProgram(folder.path(), "detect pictures --part 1/1 --out tables/1.corners");
     for (const char* table : {"wanted.csv", "joints.csv"}) addColumns(folder.path() / "tables" / table);
     writeTextFile(folder.path() / "tables/model.yaml", modelYaml(withEffects(readModel(folder.path() / "out/model.yaml"))));
     fs::remove_all(folder.path() / "capture-truth");
@@ -211,7 +213,8 @@ std::vector<std::string> faultsOf(const ProgramRun& run, const Call& call, const
   }
   for (const auto& [name, content] : after) {
     const bool written = isBelow(name, "new") || (!call.own.empty() && isBelow(name, call.own) && before.count(name) == 0);
-    const std::string problem = written ? problemOf(folder / name) : "";
+    const bool copied = name.find(".edited") != std::string::npos;  // what the change made of a result, kept for the person who made it
+    const std::string problem = written && !copied ? problemOf(folder / name) : "";
     if (!problem.empty()) faults.push_back(name + " " + problem);
     if (!written && before.count(name) == 0 && name != "stdout.txt" && name != "stderr.txt") faults.push_back("wrote " + name);
   }
@@ -255,7 +258,7 @@ TEST(WholeFolders, AreServed) {
 
 TEST_P(SpoiltFolders, AreRefusedOrServed) {
   const TempFolder folder;
-  const std::size_t first = asked("POECAL_FUZZ_FIRST", 0), count = asked("POECAL_FUZZ_TRIALS", 200);
+  const std::size_t first = asked("POECAL_FUZZ_FIRST", 0), count = asked("POECAL_FUZZ_TRIALS", 120);
   for (std::size_t number = first + static_cast<std::size_t>(GetParam()); number < first + count; number += kParts) {
     const std::vector<std::string> faults = tryOne(folder.path(), number);
     EXPECT_THAT(faults, ::testing::IsEmpty());

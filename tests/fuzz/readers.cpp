@@ -280,7 +280,7 @@ const std::vector<Reader>& readers() {
        "renderReport",
        [](const fs::path& cell) { readReport(cell / "fuzzed/page"); }},
       {"picture", "fuzzed/picture.png", {}, "readPicture", [](const fs::path& cell) { readOnePicture(cell / "fuzzed/picture.png"); }},
-      {"board", "board/0001.png", {}, "readBoardPictures", [](const fs::path& cell) { readBoard(cell / "board"); }},
+      {"board", "board/0001.png", {}, "readBoardPictures", [](const fs::path& cell) { readBoard(cell / "board"); }, 20},
       {"known_corners", "fuzzed/known.corners", {}, "read", [](const fs::path& cell) { readKnown(cell / "fuzzed/known.corners"); }},
   };
   return all;

@@ -24,6 +24,7 @@ struct Reader {
   std::string functions;              ///< the library's functions that it calls, separated by blanks
   /// Reads the file with all functions that take its kind. Errors of poecal's are its own to throw.
   std::function<void(const std::filesystem::path& cell)> read;
+  std::size_t cost = 1;  ///< how many inputs of the others take as long as one of its own
 };
 
 const std::vector<Reader>& readers();

@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSeed = 20261126;
 
-/// Inputs for each reader: $POECAL_FUZZ_INPUTS, or as many as make a minute for all.
-std::size_t inputCount() {
-  constexpr std::size_t kUsual = 500;
+/// Inputs for a reader: $POECAL_FUZZ_INPUTS, or as many as make a minute for all.
+std::size_t inputCount(const Reader& reader) {
+  constexpr std::size_t kUsual = 1500;
   const char* asked = std::getenv("POECAL_FUZZ_INPUTS");
-  return asked != nullptr ? std::stoul(asked) : kUsual;
+  return std::max<std::size_t>(1, (asked != nullptr ? std::stoul(asked) : kUsual) / reader.cost);
 }
 
 class FuzzedReader : public ::testing::TestWithParam<Reader> {
@@ -59,7 +59,7 @@ TEST_P(FuzzedReader, StandsWhateverComes) {
   std::vector<std::string> known;
   for (const Seed& seed : seedsOf(GetParam())) known.push_back(seed.bytes);
   const Mutator mutator(known);
-  for (std::size_t k = 0; k < inputCount() && !HasFailure(); ++k) {
+  for (std::size_t k = 0; k < inputCount(GetParam()) && !HasFailure(); ++k) {
     Rng rng(kSeed, k);
     feedOne(std::to_string(k), mutator.mutated(rng));
   }
