@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# apps/install-dependencies.sh [--workflow] [--python] [--ci]: installs the Debian 12 packages that poecal is built and tested with.
+# apps/install-dependencies.sh [--workflow] [--python] [--ci] [--fuzz]: installs the Debian 12 packages that poecal is built and tested with.
 # --workflow adds snakemake (80 packages, 680 MB), without which the tests of apps/workflow skip; --python what the Python module is built
-# and used with; --ci what only .ci/run needs. Needs no network where all packages are there already.
+# and used with; --ci what only .ci/run needs; --fuzz what only tests/fuzz/run.sh does. Needs no network where all packages are there already.
 set -euo pipefail
 
 packages=(
@@ -22,8 +22,9 @@ for option in "$@"; do
     --workflow) packages+=(snakemake) ;;
     --python) packages+=(pybind11-dev python3-dev python3-numpy) ;;
     --ci) packages+=(chromium clang-format clang-tidy doxygen librsvg2-bin man-db mypy poppler-utils python3-matplotlib zsh) ;;
+    --fuzz) packages+=(clang libclang-rt-14-dev) ;;
     *)
-      echo "error: unknown option $option, expected --workflow, --python or --ci" >&2
+      echo "error: unknown option $option, expected --workflow, --python, --ci or --fuzz" >&2
       exit 2
       ;;
   esac

@@ -29,8 +29,10 @@ Eigen::Vector3d deviations(const YamlNode& node) {
 
 Vector6d sigmaOf(const YamlNode& node) {
   node.checkKeys({"rotation", "translation"});
+  // First both, as an error must not leave a comma-initialisation half done: its end is asserted.
+  const Eigen::Vector3d rotation = deviations(node["rotation"]), translation = deviations(node["translation"]);
   Vector6d sigma;
-  sigma << deviations(node["rotation"]), deviations(node["translation"]);
+  sigma << rotation, translation;
   return sigma;
 }
 

@@ -23,7 +23,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
 namespace poecal {
 
 const PageAssets& pageAssets() {
-  static constexpr PageAssets kAssets{${html}, ${style}, ${program}, ${fleet}, ${d3}, ${licence}};
+  static const PageAssets kAssets{${html}, ${style}, ${program}, ${fleet}, ${d3}, ${licence}};
   return kAssets;
 }
 

@@ -24,4 +24,14 @@ inline Utf8Sign firstSign(std::string_view rest) {
   return {code, rest.substr(0, static_cast<std::size_t>(at - rest.data()))};
 }
 
+/// Whether all of a text is UTF-8.
+inline bool isUtf8(std::string_view text) {
+  while (!text.empty()) {
+    const Utf8Sign sign = firstSign(text);
+    if (!sign.code) return false;
+    text.remove_prefix(sign.bytes.size());
+  }
+  return true;
+}
+
 }  // namespace poecal

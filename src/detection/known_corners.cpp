@@ -54,18 +54,18 @@ std::optional<KnownLine> parseWholeLine(const std::string& key, const std::strin
   if (!content.contains("look")) return std::nullopt;
 
   PictureFinding finding;
-  finding.width = content["size"][0].get<int>();
-  finding.height = content["size"][1].get<int>();
-  for (const Json& row : content["corners"]) {
+  finding.width = content.at("size").at(0).get<int>();
+  finding.height = content.at("size").at(1).get<int>();
+  for (const Json& row : content.at("corners")) {
     Corner corner;
-    corner.id = {row[0].get<int>(), row[1].get<int>()};
-    corner.px = {row[2].get<double>(), row[3].get<double>()};
-    if (!row[4].is_null()) corner.sigma = row[4].get<double>();
+    corner.id = {row.at(0).get<int>(), row.at(1).get<int>()};
+    corner.px = {row.at(2).get<double>(), row.at(3).get<double>()};
+    if (!row.at(4).is_null()) corner.sigma = row.at(4).get<double>();
     finding.corners.push_back(corner);
   }
-  for (const Json& note : content["notes"]) finding.notes.push_back(note.get<std::string>());
-  if (const Json& look = content["look"]; !look.is_null()) {
-    finding.look = PictureLook{look[0].get<double>(), look[1].get<double>(), look[2].get<double>()};
+  for (const Json& note : content.at("notes")) finding.notes.push_back(note.get<std::string>());
+  if (const Json& look = content.at("look"); !look.is_null()) {
+    finding.look = PictureLook{look.at(0).get<double>(), look.at(1).get<double>(), look.at(2).get<double>()};
   }
   return KnownLine{key, std::move(finding)};
 }

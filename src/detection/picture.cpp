@@ -79,8 +79,7 @@ PictureFile readPictureFile(const std::filesystem::path& file) {
     if (picture.bytes.empty()) picture.problem = "the file is empty";
     return picture;
   } catch (const FileError& error) {
-    // Behind `FILE: `; whoever tells it names the picture.
-    return {"", std::string(error.what()).substr(file.string().size() + 2)};
+    return {"", error.reason()};  // whoever tells it names the picture
   }
 }
 

@@ -70,11 +70,13 @@ std::string dataUri(const cv::Mat& picture, std::size_t most) {
 
 /// The part of a picture around the corners, half of their extent more on each side; at least 32 px.
 cv::Rect aroundCorners(const Json& corners, const cv::Size& size) {
-  double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
+  constexpr double kFar = 1e8;  // [px] beyond any picture, and twice as far still within an int
+  double low[2] = {kFar, kFar}, high[2] = {-kFar, -kFar};
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    if (!corners[k].is_number()) continue;
-    low[k % 2] = std::min(low[k % 2], corners[k].get<double>());
-    high[k % 2] = std::max(high[k % 2], corners[k].get<double>());
+    if (!corners.at(k).is_number()) continue;
+    const double px = std::clamp(corners.at(k).get<double>(), -kFar, kFar);
+    low[k % 2] = std::min(low[k % 2], px);
+    high[k % 2] = std::max(high[k % 2], px);
   }
   if (low[0] > high[0] || low[1] > high[1]) return {};
   const double half = std::max(16.0, std::max(high[0] - low[0], high[1] - low[1]));
@@ -104,7 +106,7 @@ std::vector<std::size_t> chosenRows(const Json& samples, std::size_t after, std:
   std::iota(rows.begin(), rows.end(), 0);
   if (rows.size() <= most) return rows;
   const auto size = [&](std::size_t row) {
-    const Json& value = samples[row]["sizes"][after];
+    const Json& value = samples.at(row).at("sizes").at(after);
     return value.is_number() ? value.get<double>() : 0.0;
   };
   std::stable_sort(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
@@ -122,8 +124,9 @@ std::string keyOf(const Json& samples, const std::vector<std::size_t>& rows, con
   ContentKey key;
   key.add(std::to_string(each));
   for (const std::size_t row : rows) {
-    key.add(std::to_string(row)).add(samples[row].value("corners", Json::array()).dump());
-    key.addFile(folder / samples[row].value("image", ""));
+    const Json& sample = samples.at(row);
+    key.add(std::to_string(row)).add(sample.value("corners", Json::array()).dump());
+    key.addFile(folder / sample.value("image", ""));
   }
   return key.text();
 }
@@ -151,7 +154,7 @@ std::string samplePictures(const nlohmann::ordered_json& report, const std::file
   const std::string key = kept.empty() ? "" : keyOf(samples, rows, folder, each);
   if (const std::optional<std::string> same = keptText(kept, key)) return *same;
   std::vector<Json> pictures(rows.size());
-  parallelFor(rows.size(), jobs, [&](std::size_t k) { pictures[k] = pictureJson(samples[rows[k]], rows[k], folder, each); });
+  parallelFor(rows.size(), jobs, [&](std::size_t k) { pictures[k] = pictureJson(samples.at(rows[k]), rows[k], folder, each); });
   Json list = Json::array();
   for (Json& picture : pictures) {
     if (!picture.is_null()) list.push_back(std::move(picture));

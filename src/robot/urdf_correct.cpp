@@ -97,12 +97,6 @@ std::string typesOf(const Arm& arm) {
   return types;
 }
 
-std::string printed(const tinyxml2::XMLDocument& xml) {
-  tinyxml2::XMLPrinter printer;
-  xml.Print(&printer);
-  return printer.CStr();
-}
-
 }  // namespace
 
 std::string correctedUrdf(const std::filesystem::path& file, const std::string& base_link, const std::string& tip_link, const Arm& arm) {
@@ -136,7 +130,7 @@ std::string correctedUrdf(const std::filesystem::path& file, const std::string& 
       T_base_child = T_base_parent * T_parent_nominal;
     }
   }
-  return printed(urdf.xml());
+  return printedXml(urdf.xml());
 }
 
 }  // namespace poecal

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/utf8.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/robot/robot_file.hpp"
@@ -57,17 +58,37 @@ const char* typeName(const urdf::Joint& joint) {
   }
 }
 
-/// The first element that xacro would replace: one of its own, or one with an expression in an attribute. Null where there is none.
-const tinyxml2::XMLElement* findMacro(const tinyxml2::XMLElement* element) {
+/// The first element, in the order of the file, for which `condition` holds; null where there is none.
+template <typename Condition>
+const tinyxml2::XMLElement* findFirst(const tinyxml2::XMLElement* element, const Condition& condition) {
   for (; element != nullptr; element = element->NextSiblingElement()) {
-    if (std::string_view(element->Name()).starts_with("xacro:")) return element;
-    for (const tinyxml2::XMLAttribute* attribute = element->FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
-      const std::string_view value = attribute->Value();
-      if (value.find("${") != std::string_view::npos || value.find("$(") != std::string_view::npos) return element;
-    }
-    if (const tinyxml2::XMLElement* inner = findMacro(element->FirstChildElement())) return inner;
+    if (condition(*element)) return element;
+    if (const tinyxml2::XMLElement* inner = findFirst(element->FirstChildElement(), condition)) return inner;
   }
   return nullptr;
+}
+
+template <typename Condition>
+bool anyAttribute(const tinyxml2::XMLElement& element, const Condition& condition) {
+  for (const tinyxml2::XMLAttribute* attribute = element.FirstAttribute(); attribute != nullptr; attribute = attribute->Next()) {
+    if (condition(std::string_view(attribute->Value()))) return true;
+  }
+  return false;
+}
+
+/// Whether xacro would replace it: it is one of its own, or has an expression in an attribute.
+bool isMacro(const tinyxml2::XMLElement& element) {
+  return std::string_view(element.Name()).starts_with("xacro:") || anyAttribute(element, [](std::string_view value) {
+           return value.find("${") != std::string_view::npos || value.find("$(") != std::string_view::npos;
+         });
+}
+
+/// The file is UTF-8, but a number such as &#xD800; in it may stand for no sign at all.
+bool holdsNoSign(const tinyxml2::XMLElement& element) {
+  for (const tinyxml2::XMLNode* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToText() != nullptr && !isUtf8(node->Value())) return true;
+  }
+  return anyAttribute(element, [](std::string_view value) { return !isUtf8(value); });
 }
 
 constexpr double kSmallestAxis = 1e-9;
@@ -81,22 +102,50 @@ bool isBelow(urdf::LinkConstSharedPtr link, const std::string& ancestor) {
 
 bool isUrdf(const std::filesystem::path& file) { return file.extension() == ".urdf" || looksLikeXml(readTextFile(file)); }
 
+std::string printedXml(const tinyxml2::XMLDocument& xml) {
+  tinyxml2::XMLPrinter printer;
+  xml.Print(&printer);
+  return printer.CStr();
+}
+
 UrdfFile::UrdfFile(const std::filesystem::path& file) : file_(file) {
   const std::string text = readUtf8File(file);
   if (xml_.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS) {
     throw FileError(file, xml_.ErrorLineNum(), fmt::format("not valid XML ({}), expected a URDF", xml_.ErrorName()));
   }
-  if (const tinyxml2::XMLElement* macro = findMacro(xml_.RootElement())) {
+  const tinyxml2::XMLElement* root = xml_.RootElement();
+  if (root == nullptr || std::string_view(root->Name()) != "robot") {
+    throw FileError(file, root == nullptr ? 1 : root->GetLineNum(),
+                    fmt::format("begins with {}, expected <robot>", root == nullptr ? "no element" : fmt::format("<{}>", root->Name())));
+  }
+  for (const tinyxml2::XMLNode* node = root->NextSibling(); node != nullptr; node = node->NextSibling()) {
+    if (node->ToComment() == nullptr) throw FileError(file, node->GetLineNum(), "goes on behind </robot>, expected nothing there");
+  }
+  if (const tinyxml2::XMLElement* element = findFirst(root, holdsNoSign)) {
+    throw FileError(file, element->GetLineNum(), "holds a number of a sign (as &#xD800;) that there is not, expected a text in UTF-8");
+  }
+  if (const tinyxml2::XMLElement* macro = findFirst(root, isMacro)) {
     throw FileError(file, macro->GetLineNum(), "is a xacro, expected it expanded: xacro arm.urdf.xacro > arm.urdf");
   }
   CollectedErrors errors;
-  model_ = urdf::parseURDF(text);
+  // What the one reader made of the text, so that the other makes nothing else of odd signs in it.
+  model_ = urdf::parseURDF(printedXml(xml_));
   const bool bad_inertial = std::any_of(errors.messages.begin(), errors.messages.end(), isAboutInertial);
   if (!model_ || bad_inertial) {
     const std::string message = fmt::format("{}", fmt::join(errors.messages, "; "));
     throw FileError(file, lineNamedIn(message), "not a valid URDF: " + message);
   }
+  requireNames();
   requireTree();
+}
+
+void UrdfFile::requireNames() const {
+  const auto require = [&](const char* tag, const std::string& name) {
+    if (element(tag, name) != nullptr) return;
+    fail(fmt::format("{} '{}' has a name that readers of XML disagree about, expected plain letters", tag, name));
+  };
+  for (const auto& entry : model_->links_) require("link", entry.first);
+  for (const auto& entry : model_->joints_) require("joint", entry.first);
 }
 
 void UrdfFile::requireTree() const {

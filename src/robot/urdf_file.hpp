@@ -39,6 +39,8 @@ class UrdfFile {
  private:
   urdf::LinkConstSharedPtr link(const std::string& name) const;
   int lineNamedIn(const std::string& message) const;
+  /// The two readers may make different names of odd signs, and then nothing is found by its name. @throws FileError
+  void requireNames() const;
   /// urdfdom takes links in a ring, and a link on two joints. @throws FileError
   void requireTree() const;
 
@@ -47,6 +49,7 @@ class UrdfFile {
   tinyxml2::XMLDocument xml_;
 };
 
+std::string printedXml(const tinyxml2::XMLDocument& xml);
 /// Revolute, continuous or prismatic: one degree of freedom.
 bool isMoving(const urdf::Joint& joint);
 /// Pose from a URDF's <origin>, R = Rz(yaw) Ry(pitch) Rx(roll).

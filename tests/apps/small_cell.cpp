@@ -84,7 +84,8 @@ std::size_t columnOf(const Rows& rows, const std::string& name) {
 std::map<std::string, std::string> contentOf(const fs::path& folder) {
   std::map<std::string, std::string> content;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) content[entry.path().lexically_relative(folder).string()] = readTextFile(entry.path());
+    std::error_code status;  // of a link to itself, which is no file
+    if (entry.is_regular_file(status)) content[entry.path().lexically_relative(folder).string()] = readTextFile(entry.path());
   }
   return content;
 }

@@ -154,5 +154,26 @@ TEST(ReportPage, ResultsThatHoldNoReportAreRefused) {
   }
 }
 
+TEST(ReportPage, SamplesWithoutSizesAreNoReport) {
+  POECAL_REQUIRE_D3;
+  const test::TempFolder folder;
+  Json report{{"format", "poecal-report/1"}, {"pictures", "."}, {"samples", Json::array()}, {"model_after", 0}};
+  for (int k = 0; k < 201; ++k) report["samples"].push_back({{"image", "x.png"}});  // more than the page has pictures: the worst are chosen
+  folder.write("report.json", report.dump());
+  EXPECT_THAT([&] { renderReport(folder.path(), 1); }, ThrowsMessage<FileError>(HasSubstr("is not as it was written")));
+}
+
+TEST(ReportPage, CornersFarFromAnyPictureHaveNoPart) {
+  POECAL_REQUIRE_D3;
+  const test::TempFolder folder;
+  cv::imwrite((folder.path() / "0.png").string(), cv::Mat(60, 80, CV_8UC1, cv::Scalar(100)));
+  const Json sample{{"image", "0.png"}, {"corners", {1e308, 1e308, 1e308, 1e308}}, {"sizes", Json::array({1.0})}};
+  const Json report{{"format", "poecal-report/1"}, {"pictures", "."}, {"samples", Json::array({sample})}, {"model_after", 0}};
+  const Json pictures = dataIn(reportHtml(report.dump(), folder.path(), 1), "pictures")["pictures"];
+  ASSERT_THAT(pictures, SizeIs(1));
+  EXPECT_FALSE(pictures[0].contains("part"));
+  EXPECT_TRUE(pictures[0].contains("whole"));
+}
+
 }  // namespace
 }  // namespace poecal

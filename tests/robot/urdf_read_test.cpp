@@ -134,7 +134,13 @@ void PrintTo(const BadUrdf& value, std::ostream* out) { *out << value.what; }
 
 const BadUrdf kBadUrdfs[] = {
     {"Xml", "</robot>", "", "a", "c", "small.urdf:1: not valid XML"},
-    {"NotAUrdf", kSmall, "<sdf/>", "a", "c", "small.urdf: not a valid URDF: Could not find the 'robot' element"},
+    {"NotAUrdf", kSmall, "<sdf/>", "a", "c", "small.urdf:1: begins with <sdf>, expected <robot>"},
+    {"NoElement", kSmall, "<!-- an arm -->\n", "a", "c", "small.urdf:1: begins with no element, expected <robot>"},
+    {"RobotBehindAnElement", "<robot", "<sdf/>\n<robot", "a", "c", "small.urdf:1: begins with <sdf>, expected <robot>"},
+    {"TwoRobots", "</robot>", "</robot>\n<robot/>", "a", "c", "small.urdf:7: goes on behind </robot>, expected nothing there"},
+    {"TextBehind", "</robot>", "</robot>\nand so on<!-- -->", "a", "c", "goes on behind </robot>, expected nothing there"},
+    {"NoSign", "\"turn\"", "\"turn&#xD800;\"", "a", "c", "small.urdf:3: holds a number of a sign (as &#xD800;) that there is not"},
+    {"NoSignInAText", "</robot>", "<note>&#xDFFF;</note></robot>", "a", "c", "small.urdf:6: holds a number of a sign"},
     {"Number", "<joint name=\"slide\" type=\"prismatic\">", "<joint name=\"slide\" type=\"prismatic\"><origin xyz=\"0 0 1,5\"/>", "a", "c",
      "small.urdf:4: not a valid URDF: Unable to parse component [1,5] to a double"},
     {"Loose", "link=\"c\"", "link=\"x\"", "a", "b", "small.urdf:4: not a valid URDF: "},
@@ -204,6 +210,20 @@ TEST(Urdf, AnExpandedXacroKeepsItsNamespace) {
   std::string text = kSmall;
   text.replace(text.find("<robot"), 6, "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"");
   EXPECT_EQ(readUrdf(folder.write("small.urdf", text), "a", "c").jointCount(), 2);
+}
+
+TEST(Urdf, NumbersOfSignsInNamesAreRead) {
+  // The readers of XML that take part have ideas of their own about these.
+  for (const char* name : {"dr&#xE4;hen", "t&#117;rn", "a &amp; b", "turn&#10;ing", "turn&#0;", "turn&#x1b;", "&bogus;", "turn  "}) {
+    const test::TempFolder folder;
+    std::string text = kSmall;
+    text.replace(text.find("\"turn\""), 6, fmt::format("\"{}\"", name));
+    const auto file = folder.write("small.urdf", text);
+    const Arm arm = readUrdf(file, "a", "c");
+    EXPECT_EQ(arm.jointCount(), 2) << name;
+    EXPECT_EQ(readUrdf(folder.write("again.urdf", correctedUrdf(file, "a", "c", arm)), "a", "c").joints[0].name, arm.joints[0].name)
+        << name;
+  }
 }
 
 TEST(Urdf, WhatBeginsAsXmlIsAUrdfWhateverItsName) {
