@@ -560,6 +560,7 @@ class Finding:
     shrinkage: Final[Shrinkage]
     alternatives: Final[tuple[AlternativeCause, ...]]
     separate_with: Final[str]
+    reference: Final[str]
     remedy: Final[str]
     images: Final[tuple[str, ...]]
 

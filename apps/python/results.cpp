@@ -145,6 +145,7 @@ void bindFindings(py::module_& module) {
       .result("shrinkage", &Finding::shrinkage)
       .result("alternatives", &Finding::alternatives)
       .result("separate_with", &Finding::separate_with)
+      .result("reference", &Finding::reference)
       .result("remedy", &Finding::remedy)
       .result("images", &Finding::images);
 }

@@ -4,17 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "diagnosis/wording.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/diagnosis/diagnose.hpp"
 
 namespace poecal {
 namespace {
 
-std::string size(const Diagnosis& diagnosis, double value) {
-  return diagnosis.pixels ? fmt::format("{:.3f} px", value) : fmt::format("{:.3f} mm", 1e3 * value);
-}
-
-std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
+std::string size(const Diagnosis& diagnosis, double value) { return gapText(diagnosis.pixels, value); }
 
 std::string meaning(const std::string& effect) {
   if (effect == kUnknownEffect) return "structure that no listed effect explains";
@@ -68,8 +65,8 @@ std::string sizes(const Finding& finding) {
 
 std::string howFar(const Shrinkage& shrinkage) {
   constexpr double kWorthwhile = 0.05;
-  const std::string range = fmt::format("({} to {})", percent(shrinkage.interval.first), percent(shrinkage.interval.second));
-  if (shrinkage.claimed()) return fmt::format("  how far: the gap shrinks by {} {}\n", percent(shrinkage.value), range);
+  const std::string range = fmt::format("({} to {})", percentText(shrinkage.interval.first), percentText(shrinkage.interval.second));
+  if (shrinkage.claimed()) return fmt::format("  how far: the gap shrinks by {} {}\n", percentText(shrinkage.value), range);
   if (shrinkage.interval.second > kWorthwhile) {
     return fmt::format("  how far: these poses do not tell {}: too few of them show it\n", range);
   }
@@ -99,7 +96,7 @@ std::string findingText(const Diagnosis& diagnosis, const Finding& finding) {
     if (finding.images.size() > kShown) text += fmt::format("         and {} more, see diagnosis.json\n", finding.images.size() - kShown);
   }
   for (const AlternativeCause& other : finding.alternatives) {
-    text += fmt::format("         or {} at {} ({})\n", other.effect, other.location, percent(other.probability));
+    text += fmt::format("         or {} at {} ({})\n", other.effect, other.location, percentText(other.probability));
   }
   const bool random = finding.effect == "joint_scatter";  // no model foretells it; poses that it spoils less can count for more
   if (finding.effect != "bad_samples" && !(random && !finding.shrinkage.claimed())) {
@@ -136,7 +133,7 @@ std::string surenessText(double probability) {
   constexpr double kBeyondTelling = 0.999, kNearly = 0.99;
   if (probability >= kBeyondTelling) return "99.9 % sure or more";
   // Whole numbers would round to no doubt.
-  return probability >= kNearly ? fmt::format("{:.1f} % sure", std::floor(1e3 * probability) / 10.0) : percent(probability) + " sure";
+  return probability >= kNearly ? fmt::format("{:.1f} % sure", std::floor(1e3 * probability) / 10.0) : percentText(probability) + " sure";
 }
 
 std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&) {
@@ -149,7 +146,7 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
   }
   for (const Finding& possible : diagnosis.possibilities) {
     text += fmt::format("  possible: {} at {} ({} sure), but it does not serve poses that the fit did not see: take more poses\n",
-                        possible.effect, possible.location, percent(std::min(0.999, possible.probability)));
+                        possible.effect, possible.location, percentText(std::min(0.999, possible.probability)));
   }
   text += remains(diagnosis);
   text += ladder(diagnosis);

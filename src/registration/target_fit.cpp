@@ -28,6 +28,7 @@ constexpr double kClearlyBetter = 0.7;
 constexpr double kAsGood = 1.1;
 // Factors on the distance of the tags that are tried.
 constexpr double kFarthest = 0.7, kStep = 0.05;
+constexpr int kNearest = 2;  // steps; closer to what is stated it is a tag that was mounted badly, which is for the diagnosis to say
 
 /// Centres of all tags that are seen, of their corners as stated.
 std::map<int, Eigen::Vector3d> tagCentres(const Problem& problem) {
@@ -165,7 +166,7 @@ std::vector<Mistake> layoutMistakes(const Problem& problem) {
   Eigen::Matrix3d exchanged = Eigen::Matrix3d::Identity();
   exchanged.topLeftCorner<2, 2>() << 0, 1, 1, 0;
   add("the tags' numbers look to run along the columns first", exchanged);
-  for (int k = 1; k <= static_cast<int>(kFarthest / kStep); ++k) {
+  for (int k = kNearest; k <= static_cast<int>(kFarthest / kStep); ++k) {
     for (const double factor : {std::exp(kStep * k), std::exp(-kStep * k)}) {
       add(fmt::format("the tags look {:.2f} times as far apart, centre to centre, as stated", factor),
           Eigen::Vector3d(factor, factor, 1.0).asDiagonal());

@@ -6,14 +6,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "diagnosis/wording.hpp"
 #include "poecal/effects/catalogue.hpp"
 
 namespace poecal {
 namespace {
-
-std::string length(bool pixels, double value) { return pixels ? fmt::format("{:.3f} px", value) : fmt::format("{:.3f} mm", 1e3 * value); }
-
-std::string percent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
 
 /// "a", "a and b", "a, b and c"
 std::string listed(const std::vector<std::string>& parts) {
@@ -49,26 +46,27 @@ std::string which(const Diagnosis& diagnosis) {
   std::vector<std::string> causes;
   for (const Finding& finding : diagnosis.findings) {
     const std::string meaning = finding.effect == "unknown" ? "no listed effect explains it" : effectKind(finding.effect).meaning;
-    causes.push_back(fmt::format("{} ({}; {})", finding.effect, meaning, surenessText(finding.probability)));
+    const std::string reference = finding.reference.empty() ? "" : "; " + finding.reference;
+    causes.push_back(fmt::format("{} ({}; {}{})", finding.effect, meaning, surenessText(finding.probability), reference));
   }
   return fmt::format("The {} {}.", causes.size() == 1 ? "cause is" : "causes are", listed(causes));
 }
 
 std::string remains(const Diagnosis& diagnosis) {
-  return fmt::format("{} above the noise ({} to {}) on held-out poses", length(diagnosis.pixels, diagnosis.after_excess),
-                     length(diagnosis.pixels, diagnosis.after_interval.first), length(diagnosis.pixels, diagnosis.after_interval.second));
+  return fmt::format("{} above the noise ({} to {}) on held-out poses", gapText(diagnosis.pixels, diagnosis.after_excess),
+                     gapText(diagnosis.pixels, diagnosis.after_interval.first), gapText(diagnosis.pixels, diagnosis.after_interval.second));
 }
 
 std::string howFar(const Diagnosis& diagnosis) {
   const Shrinkage& shrinkage = diagnosis.shrinkage;
-  const std::string before = length(diagnosis.pixels, diagnosis.before_excess);
+  const std::string before = gapText(diagnosis.pixels, diagnosis.before_excess);
   if (!shrinkage.claimed()) {
     return fmt::format("A smaller gap on held-out poses is not shown by these data; what remains is {}, of {} without the findings.",
                        remains(diagnosis), before);
   }
   return fmt::format("With {} in the model the gap shrinks by {} ({} to {}); what remains is {}, of {} without.",
-                     diagnosis.findings.size() == 1 ? "it" : "them", percent(shrinkage.value), percent(shrinkage.interval.first),
-                     percent(shrinkage.interval.second), remains(diagnosis), before);
+                     diagnosis.findings.size() == 1 ? "it" : "them", percentText(shrinkage.value), percentText(shrinkage.interval.first),
+                     percentText(shrinkage.interval.second), remains(diagnosis), before);
 }
 
 std::vector<std::string> actionsOf(const Diagnosis& diagnosis) {

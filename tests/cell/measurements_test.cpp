@@ -88,6 +88,33 @@ TEST(Measurements, PosesAndPositionsAreAddedRowByRow) {
   EXPECT_THAT([&] { poses.addPoses(threeRows(), {}); }, ThrowsMessage<InvalidArgument>(HasSubstr("0 poses for 3 samples")));
 }
 
+TEST(Measurements, ReferenceTagsStandBesideTheTarget) {
+  Capture capture;
+  capture.target = apriltagTarget("tag36h11", {{.id = 7, .size = 0.1}});
+  capture.reference = apriltagTarget("tag36h11", {{.id = 40, .size = 0.2}});
+  capture.table = threeRows();
+  Detections detections;
+  for (std::size_t k = 0; k < 3; ++k) {
+    Sample& sample = capture.table.samples[k];
+    sample.image = std::to_string(k) + ".png";
+    detections.images.push_back({.image = sample.image, .corners = {}});
+    for (int corner = 0; corner < 4; ++corner) {
+      const double at = static_cast<double>(corner);
+      detections.images.back().corners.push_back({.id = {7, corner}, .px = {at, 1.0}});
+      // The last picture shows the target alone.
+      if (k < 2) detections.images.back().corners.push_back({.id = {40, corner}, .px = {at, 2.0}});
+    }
+  }
+  const Measurements measurements = measurementsOf(capture, detections);
+  ASSERT_THAT(measurements.observations, SizeIs(3));
+  for (const Observation& observation : measurements.observations) EXPECT_THAT(observation.corners, SizeIs(4));
+  ASSERT_THAT(measurements.observations[1].reference, SizeIs(4));
+  const CornerMeasurement& corner = measurements.observations[1].reference[2];
+  EXPECT_EQ(corner.px, Eigen::Vector2d(2.0, 2.0));
+  EXPECT_EQ(corner.p_target, capture.reference->find(corner.id)->p_target);
+  EXPECT_THAT(measurements.observations[2].reference, IsEmpty());
+}
+
 TEST(Measurements, TablesWithOtherFurtherColumnsDoNotMix) {
   Measurements poses;
   const std::vector<Eigen::Isometry3d> T(3, Eigen::Isometry3d::Identity());
