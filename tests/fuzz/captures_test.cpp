@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSeed = 20261127;
-constexpr int kParts = 6;  // tests that run side by side
+constexpr int kParts = 2;  // tests that run side by side
 
 std::size_t asked(const char* name, std::size_t usual) {
   const char* value = std::getenv(name);
