@@ -69,7 +69,7 @@ SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vect
   const std::vector<Disturbance> disturbances =
       disturbancesOf(applied, small.cell, small.target, {0.0, 0.0, -9.80665}, small.samples, true);
   for (std::size_t k = 0; k < small.samples.size(); ++k) {
-    Observation observation{.sample = k, .q = small.samples[k].q, .T_base_flange = {}, .corners = {}, .pose = {}};
+    Observation observation{.sample = k, .q = small.samples[k].q, .T_base_flange = {}, .corners = {}, .pose = {}, .reference = {}};
     const auto px = disturbances[k].joints.size() > 0
                         ? disturbedCorners(small.cell, small.samples[k], small.target.points, disturbances[k])
                         : disturbedCorners(small.cell, small.samples[k], small.target.points, Disturbance::zero(small.cell, 4));
