@@ -7,6 +7,7 @@
 #include "progress_line.hpp"
 #include "support/program.hpp"
 #include "support/temp_folder.hpp"
+#include "terminal.hpp"
 
 namespace poecal {
 namespace {
@@ -44,6 +45,15 @@ TEST(ProgressLine, RoundsUp) {
   EXPECT_EQ(app::timeLeftText(41.0), "about 45 s left");
   EXPECT_EQ(app::timeLeftText(100.0), "about 2 min left");
   EXPECT_EQ(app::timeLeftText(6000.0), "about 2 h left");
+}
+
+TEST(Warnings, EqualOnesArePrintedOnce) {
+  std::vector<std::string> messages(20, "a skew is dropped");
+  messages.insert(messages.begin() + 7, "another");
+  app::TerminalListener listener(app::Common{});
+  ::testing::internal::CaptureStderr();
+  listener.warnings(messages);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "poecal: warning: a skew is dropped (20 times)\npoecal: warning: another\n");
 }
 
 class Terminal : public ::testing::Test {

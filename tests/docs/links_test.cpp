@@ -35,7 +35,9 @@ TEST_P(Links, LeadSomewhere) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Pages, Links, ::testing::Values("README.md", "CHANGELOG.md", "calib_data/README.md", "calib_data/FORMATS.md", "calib_data/TUTORIAL.md"));
+INSTANTIATE_TEST_SUITE_P(Pages, Links,
+                         ::testing::Values("README.md", "CHANGELOG.md", "calib_data/README.md", "calib_data/FORMATS.md",
+                                           "calib_data/TUTORIAL.md"));
 
 TEST(LinksOf, AnchorsAreMadeAsMarkdownMakesThem) {
   EXPECT_THAT(linksOf("[a](b.md#c-d), [e](#f) and [g](https://h.org)"), ::testing::ElementsAre("b.md#c-d", "#f"));
