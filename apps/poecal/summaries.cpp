@@ -11,6 +11,9 @@
 namespace poecal::app {
 namespace {
 
+// All steps together are to fit one screen.
+constexpr std::size_t kShownRows = 6;
+
 std::string errorText(const ErrorSummary& errors) {
   if (errors.poses == 0) return "-";
   std::string text;
@@ -39,16 +42,15 @@ std::string stagesText(const Identification& identification) {
 }
 
 std::string suspectText(const Identification& identification, const std::vector<Sample>& samples) {
-  constexpr std::size_t kShown = 20;
   std::string text;
-  for (std::size_t k = 0; k < identification.suspects.size() && k < kShown; ++k) {
+  for (std::size_t k = 0; k < identification.suspects.size() && k < kShownRows; ++k) {
     const SuspectRow& row = identification.suspects[k];
     const Sample& sample = samples[row.sample];
     text += fmt::format("  {}: line {}{}, {:.1f} sigma\n", row.left_out ? "left out" : "outlier", sample.line,
                         sample.image.empty() ? "" : " (" + sample.image + ")", row.sigmas);
   }
-  if (identification.suspects.size() > kShown) {
-    text += fmt::format("  and {} more, see identification.json\n", identification.suspects.size() - kShown);
+  if (identification.suspects.size() > kShownRows) {
+    text += fmt::format("  and {} more, see identification.json\n", identification.suspects.size() - kShownRows);
   }
   return text;
 }
@@ -77,11 +79,13 @@ std::string registrationText(const CalibrationRun& run) {
     text += fmt::format("  open: along ({:.3f} {:.3f} {:.3f}) of the {}, the one axis of all turns, nothing says where the camera is\n",
                         axis.x(), axis.y(), axis.z(), registration.nearFrame());
   }
+  std::size_t left_out = 0;
   for (const RegisteredSample& sample : result.samples) {
-    if (!sample.left_out) continue;
+    if (!sample.left_out || ++left_out > kShownRows) continue;
     const Sample& row = run.measurements.samples[sample.sample];
     text += fmt::format("  left out: {} (line {}), {:.2f} px\n", row.image, row.line, sample.rms_px);
   }
+  if (left_out > kShownRows) text += fmt::format("  and {} more left out, see flange_poses.csv\n", left_out - kShownRows);
   if (!result.cell.arm) text += "  no joint readings: only registration is possible, the arm cannot be identified\n";
   return text;
 }

@@ -1,10 +1,14 @@
 #include "terminal.hpp"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -14,6 +18,43 @@
 #include "poecal/core/printable.hpp"
 
 namespace poecal::app {
+namespace {
+
+constexpr const char* kBold = "1";
+constexpr const char* kRed = "31";
+constexpr const char* kYellow = "33";
+
+std::string environment(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+/// A terminal that can do more than write one line after another.
+bool isScreen(int stream) { return ::isatty(stream) == 1 && environment("TERM") != "dumb"; }
+
+std::string coloured(const char* colour, std::string_view text) { return fmt::format("\033[{}m{}\033[0m", colour, text); }
+
+/// The line that says what was found stands out.
+std::string withBoldVerdict(const std::string& text) {
+  constexpr std::string_view kVerdict = "diagnosis: ";
+  std::size_t begin = text.starts_with(kVerdict) ? 0 : text.find("\n" + std::string(kVerdict));
+  if (begin == std::string::npos) return text;
+  if (begin > 0) ++begin;
+  const std::size_t end = std::min(text.find('\n', begin), text.size());
+  return text.substr(0, begin) + coloured(kBold, text.substr(begin, end - begin)) + text.substr(end);
+}
+
+std::size_t columnsOf(int stream) {
+  constexpr std::size_t kUsual = 80;
+  winsize size{};
+  return ::ioctl(stream, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
+}
+
+double secondsNow() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+}  // namespace
+
+bool takesColours(int stream) { return isScreen(stream) && environment("NO_COLOR").empty(); }
 
 void printSummary(const Common& common, const std::string& text, const nlohmann::json& json) {
   printReport(common, text, json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
@@ -25,7 +66,8 @@ void printReport(const Common& common, const std::string& text, const std::strin
     const nlohmann::ordered_json parsed = nlohmann::ordered_json::parse(json);
     printOut(parsed.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   } else if (!common.quiet) {
-    printOut(printableText(text));
+    const std::string printable = printableText(text);
+    printOut(takesColours(STDOUT_FILENO) ? withBoldVerdict(printable) : printable);
   }
 }
 
@@ -45,27 +87,57 @@ void printOut(const std::string& text) {
 }
 
 void printError(const char* kind, std::string_view message) {
-  const std::string line = fmt::format("poecal: {}: {}\n", kind, printableLine(message));
+  const std::string word = fmt::format("{}:", kind);
+  const char* const colour = std::string_view(kind) == "error" ? kRed : kYellow;
+  const std::string line =
+      fmt::format("poecal: {} {}\n", takesColours(STDERR_FILENO) ? coloured(colour, word) : word, printableLine(message));
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
 void warn(const std::string& message) { printError("warning", message); }
 
-TerminalListener::TerminalListener(const Common& common) : progress_shown_(!common.quiet && ::isatty(STDERR_FILENO) == 1) {}
+TerminalListener::TerminalListener(const Common& common) : progress_shown_(!common.quiet && isScreen(STDERR_FILENO)) {}
 
-void TerminalListener::warning(const std::string& message) { warn(message); }
+void TerminalListener::warning(const std::string& message) {
+  clearLine();
+  warn(message);
+}
 
 void TerminalListener::warnings(const std::vector<std::string>& messages) {
   constexpr std::size_t kShown = 20;
-  for (std::size_t k = 0; k < std::min(kShown, messages.size()); ++k) warn(messages[k]);
-  if (messages.size() > kShown) warn(fmt::format("and {} more of this kind", messages.size() - kShown));
+  std::vector<std::pair<std::string, std::size_t>> different;  // in the order of their first
+  for (const std::string& message : messages) {
+    const auto same = std::find_if(different.begin(), different.end(), [&](const auto& each) { return each.first == message; });
+    if (same == different.end()) {
+      different.emplace_back(message, 1);
+    } else {
+      ++same->second;
+    }
+  }
+  for (std::size_t k = 0; k < std::min(kShown, different.size()); ++k) {
+    const auto& [message, times] = different[k];
+    warning(times == 1 ? message : fmt::format("{} ({} times)", message, times));
+  }
+  if (different.size() > kShown) warning(fmt::format("and {} more of this kind", different.size() - kShown));
 }
 
 void TerminalListener::progress(const std::string& label, std::size_t done, std::size_t total) {
   if (!progress_shown_) return;
-  const std::string line = done == total ? "\r\033[K" : fmt::format("\r{} {}/{}", label, done, total);
+  const std::optional<std::string> text = line_.text(label, done, total, secondsNow(), columnsOf(STDERR_FILENO));
+  if (done >= total) return clearLine();
+  if (!text) return;
+  const std::string line = "\r\033[K" + *text;
   std::fwrite(line.data(), 1, line.size(), stderr);
   std::fflush(stderr);
+  line_open_ = true;
+}
+
+void TerminalListener::clearLine() {
+  if (!line_open_) return;
+  constexpr std::string_view kClear = "\r\033[K";
+  std::fwrite(kClear.data(), 1, kClear.size(), stderr);
+  std::fflush(stderr);
+  line_open_ = false;
 }
 
 }  // namespace poecal::app

@@ -44,6 +44,7 @@ void addDiagnosis(const Measurements& measurements, const CalibrateOptions& opti
   }
   DiagnoseOptions diagnose_options = options.diagnose;
   diagnose_options.jobs = options.jobs;
+  diagnose_options.progress = options.progress;
   try {
     calibration.diagnosis = diagnose(diagnosisStart(identification), measurements, diagnose_options);
   } catch (const InsufficientData& missing) {
@@ -71,12 +72,14 @@ Calibration calibrate(const Cell& nominal, const Measurements& measurements, con
       .setup = measurements.setup, .known_near = nominal.registration.known_near, .known_far = nominal.registration.known_far};
   Calibration calibration;
   if (!measurements.observations.front().pose) {
-    calibration.registration = registerCell(cell, measurements.observations, {.robust = options.identify.robust});
+    calibration.registration =
+        registerCell(cell, measurements.observations, {.robust = options.identify.robust, .progress = options.progress});
     calibration.warnings = calibration.registration->warnings;
   }
   if (!cell.arm || options.last == CalibrationStep::kRegistration) return calibration;
   IdentifyOptions identify_options = options.identify;
   identify_options.jobs = options.jobs;
+  identify_options.progress = options.progress;
   calibration.identification =
       identify(cell, measurements, identify_options, calibration.registration ? &*calibration.registration : nullptr);
   calibration.warnings = calibration.identification->warnings;  // the registration's among them

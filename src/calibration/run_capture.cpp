@@ -15,9 +15,12 @@ namespace {
 
 /// calibrate(), whose suspicions are then about a file of `source`.
 template <typename Source>
-Calibration calibrateFrom(const Source& source, const Cell& nominal, const Measurements& measurements, const CalibrateOptions& options) {
+Calibration calibrateFrom(const Source& source, const Cell& nominal, const Measurements& measurements, const CalibrateOptions& options,
+                          Listener& listener) {
+  CalibrateOptions told = options;
+  if (!told.progress) told.progress = listener.progressFunction();
   try {
-    return calibrate(nominal, measurements, options);
+    return calibrate(nominal, measurements, told);
   } catch (const ImplausibleInput& suspicion) {
     throw fileErrorOf(suspicion, source);
   }
@@ -45,7 +48,7 @@ CalibrationRun runCapture(const CaptureSource& source, const std::filesystem::pa
   const Capture& capture = loaded.capture;
   requireJoints(capture, files);
   CalibrationRun run;
-  run.calibration = calibrateFrom(capture, loaded.nominal, loaded.measurements, options);
+  run.calibration = calibrateFrom(capture, loaded.nominal, loaded.measurements, options, listener);
   run.measurements = std::move(loaded.measurements);
   if (!source.identified.empty()) requireIdentified(source.identified, run.calibration, run.measurements);
   nameUrdf(capture.robot_file, capture.base_link, capture.tip_link, run.calibration);
@@ -68,7 +71,7 @@ CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& 
   CalibrationRun run;
   const PoseTable table = readPoses(source.poses, *nominal.arm);
   run.measurements = measurementsOf(table);
-  run.calibration = calibrateFrom(table, nominal, run.measurements, options);
+  run.calibration = calibrateFrom(table, nominal, run.measurements, options, listener);
   listener.warnings(run.calibration.warnings);
   writeResults(run.calibration, run.measurements, files, out);
   return run;

@@ -23,6 +23,11 @@ Progress::~Progress() {
   if (function_ && done_ < total_) function_(label_, 0, 0);
 }
 
+void Progress::show() {
+  const std::lock_guard lock(mutex_);
+  if (function_ && done_ < total_) function_(label_, done_, total_);
+}
+
 void Progress::advance() {
   const std::lock_guard lock(mutex_);
   ++done_;

@@ -11,6 +11,7 @@
 #include "poecal/cell/observation.hpp"
 #include "poecal/cell/ports.hpp"
 #include "poecal/cell/twist_prior.hpp"
+#include "poecal/core/progress.hpp"
 #include "poecal/effects/effect.hpp"
 #include "poecal/effects/sample_context.hpp"
 
@@ -27,8 +28,9 @@ struct MeasuredCell {
   Target target;
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
   TwistPrior twists;
-  Eigen::VectorXd camera_sigma;  ///< stated standard deviations of the intrinsics; empty where they are held
-  int jobs = 1;                  ///< candidates weighed at a time; 0: one per core
+  Eigen::VectorXd camera_sigma;    ///< stated standard deviations of the intrinsics; empty where they are held
+  int jobs = 1;                    ///< candidates weighed at a time; 0: one per core
+  ProgressFunction progress = {};  ///< may be empty
 };
 
 /// Some of the observations of a capture, with the repeat shots among them. @param numbers  ascending.

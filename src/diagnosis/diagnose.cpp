@@ -44,6 +44,7 @@ MeasuredCell measuredCell(const Identification& identification, const Measuremen
   measured.target = measurements.target;
   measured.gravity = measurements.gravity;
   measured.jobs = options.jobs;
+  measured.progress = options.progress;
   // Without tolerances geometry may be anything: wide ones say so and keep the search well-posed.
   constexpr double kAnywhere = 1.0;
   measured.twists = identification.twist_prior.empty() ? TwistPrior(*measured.start.arm, kAnywhere, kAnywhere) : identification.twist_prior;
@@ -100,9 +101,15 @@ bool servesOthers(const FoundEffect& found, double gain) {
 }
 
 /// What the whole model is judged by: rungs with all findings and with none, other poses held out together.
-std::vector<RungPair> blockRungs(const Ladder& ladder, const std::vector<std::size_t>& findings) {
+std::vector<RungPair> blockRungs(const Ladder& ladder, const std::vector<std::size_t>& findings, Progress& progress) {
   std::vector<RungPair> pairs;
-  for (const HeldOut kind : ladder.blocks()) pairs.push_back({ladder.identifiedRung(kind), ladder.rungWith("", findings, kind)});
+  for (const HeldOut kind : ladder.blocks()) {
+    RungPair& pair = pairs.emplace_back();
+    pair.before = ladder.identifiedRung(kind);
+    progress.advance();
+    pair.after = ladder.rungWith("", findings, kind);
+    progress.advance();
+  }
   return pairs;
 }
 
@@ -119,17 +126,23 @@ void tellGap(const Gap& gap, const std::vector<Rung>& rungs, Diagnosis& diagnosi
 std::vector<bool> climb(const Selection& selection, const MeasuredCell& measured, const Identification& identification,
                         const DiagnoseOptions& options, Diagnosis& diagnosis) {
   const Ladder ladder(selection, measured, identification, options.folds, options.seed);
+  const std::size_t findings = selection.findings.size();
+  // A rung with each finding, those with none and with all by other folds, and one without each where there are several.
+  const std::size_t rung_count = findings == 0 ? 0 : findings + 2 * ladder.blocks().size() + (findings > 1 ? findings : 0);
+  Progress progress(options.progress, "judging on poses held out", rung_count);
+  progress.show();
   std::vector<Rung> rungs = ladder.geometricRungs();
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     taken.push_back(i);
     rungs.push_back(ladder.rungWith(rungName(selection, rungs[kIdentified].stage, taken), taken, HeldOut::kRandom));
+    progress.advance();
   }
   const MeasurementNoise noise = measurementNoise(selection.measured, selection.linear, identification.sigmas_stated);
   const Gap gap(selection, noise, rungs, options.seed);
   diagnosis.noise_source = noise.source;
   tellGap(gap, rungs, diagnosis);
-  if (!taken.empty()) diagnosis.shrinkage = gap.shrinkage(rungs[kIdentified], rungs.back(), blockRungs(ladder, taken));
+  if (!taken.empty()) diagnosis.shrinkage = gap.shrinkage(rungs[kIdentified], rungs.back(), blockRungs(ladder, taken, progress));
   std::vector<bool> serves;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     std::vector<std::size_t> others;
@@ -138,6 +151,7 @@ std::vector<bool> climb(const Selection& selection, const MeasuredCell& measured
     }
     std::optional<Rung> made;
     const Rung& without = others.empty() ? rungs[kIdentified] : made.emplace(ladder.rungWith("", others, HeldOut::kRandom));
+    if (made) progress.advance();
     diagnosis.findings[i].shrinkage = made ? gap.shrinkage(without, rungs.back(), {}) : diagnosis.shrinkage;
     serves.push_back(servesOthers(selection.findings[i], gain(without, rungs.back())));
   }
@@ -168,7 +182,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
   // A curve of unknown shape that does not serve poses which it did not see is none that could be told of, nor is what came after it. Where
   // it is the first, what has a name may still serve; names that do not either are not given in its place.
   std::vector<Finding> possibilities;
-  for (SearchLimits limits;;) {
+  for (SearchLimits limits;; limits.label = "searching for effects again") {
     const Selection selection = selectEffects(measured, state, wild, limits);
     Diagnosis diagnosis = tellFindings(selection, row_order);
     const std::vector<bool> serves = climb(selection, measured, identification, options, diagnosis);

@@ -38,7 +38,11 @@ class Ranker {
   Ranker(const MeasuredCell& measured, const std::vector<Candidate>& candidates, const WaveDictionary* waves)
       : measured_(measured), candidates_(candidates), waves_(waves) {}
 
-  Ranking rank(const Linearised& linear, const std::vector<std::string>& taken, const std::vector<Candidate>& kept) const {
+  Ranking rank(const Linearised& linear, const std::vector<std::string>& taken, const std::vector<Candidate>& kept,
+               const std::string& label) const {
+    // Screening, times, waves, the best again with their noise, scatter, the best fitted again.
+    Progress progress(measured_.progress, label, 6);
+    progress.show();
     Ranking ranking;
     ranking.screened = screen(linear, candidates_);
     std::map<std::string, std::vector<std::size_t>> by_answer;
@@ -56,14 +60,20 @@ class Ranker {
       }
       ranking.answers.push_back(answerOf(candidates_[best], ranking.screened[best], logSumExp(weights)));
     }
+    progress.advance();
     findTimes(linear, ranking);
+    progress.advance();
     addWaves(linear, taken, kept, ranking);
     sort(ranking);
+    progress.advance();
     sharpen(linear, ranking);
+    progress.advance();
     addScatter(linear, taken, ranking);
     sort(ranking);
+    progress.advance();
     weighAgain(linear, ranking, taken.empty() && leavesPlacesOpen(linear));
     sort(ranking);
+    progress.advance();
     ranking.sumUp();
     return ranking;
   }
@@ -286,8 +296,8 @@ double Ranking::probability(std::size_t answer) const {
 double Ranking::pValue() const { return std::min(1.0, std::exp(-log_total)); }
 
 Ranking rank(const MeasuredCell& measured, const std::vector<Candidate>& candidates, const WaveDictionary* waves, const Linearised& linear,
-             const std::vector<std::string>& taken, const std::vector<Candidate>& kept) {
-  return Ranker(measured, candidates, waves).rank(linear, taken, kept);
+             const std::vector<std::string>& taken, const std::vector<Candidate>& kept, const std::string& label) {
+  return Ranker(measured, candidates, waves).rank(linear, taken, kept, label);
 }
 
 std::size_t chosenAnswer(const Ranking& ranking) {

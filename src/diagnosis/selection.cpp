@@ -54,10 +54,11 @@ class Selector {
   }
 
  private:
-  Ranking ranked(const Linearised& linear, std::optional<std::size_t> without = {}) const {
+  Ranking ranked(const Linearised& linear, std::optional<std::size_t> without = {}) {
     std::vector<Candidate> kept;
     if (without && isWaves(selection_.findings[*without])) kept.push_back(selection_.findings[*without].accepted->candidate);
-    return rank(selection_.measured, selection_.candidates, limits_.curves ? &waves_ : nullptr, linear, taken(without), kept);
+    return rank(selection_.measured, selection_.candidates, limits_.curves ? &waves_ : nullptr, linear, taken(without), kept,
+                limits_.label + ", round " + std::to_string(++round_));
   }
 
   static bool isWaves(const FoundEffect& found) { return found.accepted && found.accepted->candidate.isWaves(); }
@@ -436,6 +437,7 @@ class Selector {
   Selection selection_;
   Linearised linear_;
   SearchLimits limits_;
+  int round_ = 0;  ///< rankings so far
 };
 
 }  // namespace

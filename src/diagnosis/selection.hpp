@@ -39,8 +39,9 @@ struct Selection {
 };
 
 struct SearchLimits {
-  std::size_t most = 4;  ///< findings at which to stop
-  bool curves = true;    ///< whether a curve of unknown shape may be an answer
+  std::size_t most = 4;                         ///< findings at which to stop
+  bool curves = true;                           ///< whether a curve of unknown shape may be an answer
+  std::string label = "searching for effects";  ///< for those who are told of the rounds
 };
 
 /// Searches. @param state  the identified cell. @param wild  observations that a robust fit left out by far; they are left out from the

@@ -120,7 +120,8 @@ class Identifier {
       closed_form_ = registered_.registration = Registration{};
     } else if (corners_) {
       RegistrationResult registration =
-          given_registration_ != nullptr ? *given_registration_ : registerCell(cell_, observations_, {.robust = options_.robust});
+          given_registration_ != nullptr ? *given_registration_
+                                         : registerCell(cell_, observations_, {.robust = options_.robust, .progress = options_.progress});
       registered_ = registration.cell;
       closed_form_ = registration.closed_form;
       samples_ = std::move(registration.samples);
@@ -188,8 +189,12 @@ class Identifier {
   /// The fold registrations, which do not depend on the camera's choice.
   void registerFolds() {
     registered_of_fold_.assign(folds_.size(), registered_);
-    parallelFor(folds_.size(), options_.jobs,
-                [this](std::size_t k) { registered_of_fold_[k] = registerFrom(registered_, folds_[k].train); });
+    Progress progress(options_.progress, "registering without held-out poses", folds_.size());
+    progress.show();
+    parallelFor(folds_.size(), options_.jobs, [&](std::size_t k) {
+      registered_of_fold_[k] = registerFrom(registered_, folds_[k].train);
+      progress.advance();
+    });
   }
 
   Judged judge(bool camera_free) const {
@@ -197,11 +202,15 @@ class Identifier {
     std::iota(all.begin(), all.end(), 0);
     // One of all poses, then one of each fold.
     std::vector<MethodFit> fits(1 + folds_.size());
+    Progress progress(options_.progress, camera_free ? "fitting arm and lens" : "fitting the arm", fits.size());
+    progress.show();
     fits[0] = fitMethod(registered_, observations_, flange_, all, options_, belief_, camera_free);
+    progress.advance();
     // One number for the whole arm, which a fifth of the poses hardly moves.
     const ArmBelief known{belief_.twists, fits[0].adjustment.tolerance};
     parallelFor(folds_.size(), options_.jobs, [&](std::size_t k) {
       fits[k + 1] = fitMethod(registered_, observations_, flange_, folds_[k].train, options_, known, camera_free);
+      progress.advance();
     });
     Judged judged;
     judged.fit = std::move(fits.front());

@@ -100,8 +100,10 @@ double cornerRms(const Cell& cell, std::span<const Observation> observations) {
   return std::isnan(rms) ? kInfinity : rms;
 }
 
-std::vector<HypothesisSample> hypothesisSamples(const Cell& cell, const std::vector<Observation>& observations) {
+std::vector<HypothesisSample> hypothesisSamples(const Cell& cell, const std::vector<Observation>& observations,
+                                                const ProgressFunction& progress) {
   std::vector<HypothesisSample> samples;
+  Progress told(progress, "pose of the target in each picture", observations.size());
   for (std::size_t k = 0; k < observations.size(); ++k) {
     HypothesisSample sample;
     sample.observation = k;
@@ -115,6 +117,7 @@ std::vector<HypothesisSample> hypothesisSamples(const Cell& cell, const std::vec
       sample.candidates.push_back(observations[k].pose->T_camera_target);
     }
     samples.push_back(std::move(sample));
+    told.advance();
   }
   return samples;
 }
@@ -165,8 +168,11 @@ std::vector<Hypothesis> searchHypotheses(const Cell& cell, const std::vector<Obs
 std::optional<Consensus> findConsensus(const Cell& cell, const std::vector<Observation>& observations,
                                        const std::vector<HypothesisSample>& samples, const ConsensusOptions& options) {
   const Misfit misfit = misfitIn(cell, observations);
+  Progress searching(options.progress, "searching where camera and target are", 1);
+  searching.show();
   std::vector<Hypothesis> found = searchHypotheses(cell, observations, samples, options.hypotheses);
   if (found.empty()) return std::nullopt;
+  searching.advance();
   if (found.size() > options.refined) found.resize(options.refined);
   // Which is best shows on some of the samples; only that one is refined on all of them.
   constexpr std::size_t kCompared = 300;
@@ -177,6 +183,8 @@ std::optional<Consensus> findConsensus(const Cell& cell, const std::vector<Obser
     some.push_back(observations[k]);
     compared.push_back(samples[k]);
   }
+  Progress progress(options.progress, "registering", found.size() + (stride > 1 ? 1 : 0));
+  progress.show();
   std::optional<Consensus> best;
   for (const Hypothesis& hypothesis : found) {
     Cell start = cell;
@@ -184,10 +192,12 @@ std::optional<Consensus> findConsensus(const Cell& cell, const std::vector<Obser
     Adjustment fit = adjust(start, some, registrationAdjustment(options.robust));
     const double of_most = medianMisfit(fit.cell.registration, compared, misfit);
     if (!best || of_most < best->misfit * (1.0 - 1e-9)) best = Consensus{std::move(fit), hypothesis.registration, of_most};
+    progress.advance();
   }
   if (stride > 1) {
     best->fit = adjust(best->fit.cell, observations, registrationAdjustment(options.robust));
     best->misfit = medianMisfit(best->fit.cell.registration, samples, misfit);
+    progress.advance();
   }
   return best;
 }

@@ -8,6 +8,7 @@
 #include "poecal/cell/adjustment.hpp"
 #include "poecal/cell/cell.hpp"
 #include "poecal/cell/observation.hpp"
+#include "poecal/core/progress.hpp"
 #include "registration/hypotheses.hpp"
 
 namespace poecal {
@@ -21,7 +22,9 @@ inline double cornerRms(const Cell& cell, const Observation& picture) { return c
 
 /// Every observation with its candidates of T_camera_target: the poses that its corners leave open, or the measured pose (none where only a
 /// position was measured).
-std::vector<HypothesisSample> hypothesisSamples(const Cell& cell, const std::vector<Observation>& observations);
+/// @param progress  told of each observation; may be empty.
+std::vector<HypothesisSample> hypothesisSamples(const Cell& cell, const std::vector<Observation>& observations,
+                                                const ProgressFunction& progress = {});
 
 /// How badly an observation fits: rms of its corners [px], or the whitened norm of its pose's residual.
 Misfit misfitIn(const Cell& cell, const std::vector<Observation>& observations);
@@ -39,6 +42,7 @@ struct ConsensusOptions {
   int hypotheses = 400;     ///< random minimal sets tried
   std::size_t refined = 5;  ///< the best of them that are adjusted, at most five
   bool robust = true;
+  ProgressFunction progress = {};  ///< told of each that is adjusted; may be empty
 };
 
 /// The best hypotheses before any adjustment, best first.

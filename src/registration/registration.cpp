@@ -181,7 +181,9 @@ void findOpenAxis(const std::vector<Observation>& observations, RegistrationResu
 
 /// The result's samples and figures. @param plain  fitted to every picture; nothing where that is the result's cell.
 void measureSamples(const std::vector<Observation>& observations, const std::vector<HypothesisSample>& hypotheses,
-                    const std::vector<bool>& out, const std::optional<Cell>& plain, RegistrationResult& result) {
+                    const std::vector<bool>& out, const std::optional<Cell>& plain, const ProgressFunction& progress,
+                    RegistrationResult& result) {
+  Progress told(progress, "pose of the flange in each picture", observations.size());
   double used_squares = 0.0, used_corners = 0.0, all_squares = 0.0, all_corners = 0.0;
   double free_squares = 0.0, free_corners = 0.0, free_chi_square = 0.0, redundancy = 0.0;
   for (std::size_t k = 0; k < observations.size(); ++k) {
@@ -208,6 +210,7 @@ void measureSamples(const std::vector<Observation>& observations, const std::vec
       redundancy += spare;
     }
     result.samples.push_back(std::move(sample));
+    told.advance();
   }
   result.rms_px = used_corners > 0.0 ? std::sqrt(used_squares / used_corners) : 0.0;
   result.rms_all_px = all_corners > 0.0 ? std::sqrt(all_squares / all_corners) : 0.0;
@@ -223,7 +226,7 @@ double keptShare(const std::vector<double>& unit_weights) { return unit_weights.
 
 RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>& observations, const RegistrationOptions& options) {
   if (!cell.camera) throw InvalidArgument("registration from corners needs a camera");
-  const std::vector<HypothesisSample> hypotheses = hypothesisSamples(cell, observations);
+  const std::vector<HypothesisSample> hypotheses = hypothesisSamples(cell, observations, options.progress);
   if (mirroredShare(observations) > 0.5) {
     throw ImplausibleCapture(
         "the corners of most tags run clockwise in the picture, as of a flipped (mirrored) tag, or with u and v exchanged: expected "
@@ -243,7 +246,8 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   RegistrationResult result;
   Consensus found = both_known && turning < 2
                         ? consensusAsKnown(cell, observations, hypotheses, options.robust)
-                        : requireConsensus(cell, observations, hypotheses, {.hypotheses = options.hypotheses, .robust = options.robust});
+                        : requireConsensus(cell, observations, hypotheses,
+                                           {.hypotheses = options.hypotheses, .robust = options.robust, .progress = options.progress});
   requirePlausible(cell, observations, hypotheses, found);
   const std::vector<std::string> contradictions = weighInKnown(cell, observations, hypotheses, options.robust, found);
   result.adjustment = found.fit;
@@ -274,7 +278,7 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
                               " (the arm's motions leave it open); it is held where it started");
   }
 
-  measureSamples(observations, hypotheses, out, plain, result);
+  measureSamples(observations, hypotheses, out, plain, options.progress, result);
   return result;
 }
 

@@ -46,7 +46,7 @@ TEST(Ranking, AComplianceIsNotNegative) {
         test::smallCell(22, 60, kSigma, {{"joint_compliance", "joint:3", {{"compliance", compliance}}}}).measured();
     const Linearised linear = refitted(measured);
     const std::vector<Candidate> candidates = allCandidates(measured, linear.state).candidates;
-    return weightOf(rank(measured, candidates, nullptr, linear, {}, {}), "joint_compliance", "joint:3");
+    return weightOf(rank(measured, candidates, nullptr, linear, {}, {}, ""), "joint_compliance", "joint:3");
   };
   const double yields = weight(1e-4);
   EXPECT_GT(yields, 20.0);

@@ -7,6 +7,7 @@
 
 #include "poecal/cell/cell.hpp"
 #include "poecal/cell/measurements.hpp"
+#include "poecal/core/progress.hpp"
 #include "poecal/diagnosis/diagnose.hpp"
 #include "poecal/identification/identify.hpp"
 #include "poecal/registration/registration.hpp"
@@ -22,6 +23,8 @@ struct CalibrateOptions {
   DiagnoseOptions diagnose = {};
   /// Fits worked on at a time (0: one per core); the result does not depend on it.
   int jobs = 1;
+  /// Told of every step; may be empty. Those of `identify` and `diagnose` are not asked.
+  ProgressFunction progress = {};
   void validate() const;  ///< @throws InvalidArgument with the field's name and value.
 };
 

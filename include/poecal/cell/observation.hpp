@@ -42,7 +42,7 @@ struct Observation {
   std::optional<PoseMeasurement> pose;
   /// Corners of tags in the same picture that never move, in their own frame: no part of any fit of the cell, but of what the diagnosis
   /// believes of a camera that moves. Empty where there are none.
-  std::vector<CornerMeasurement> reference;
+  std::vector<CornerMeasurement> reference = {};
 
   /// Number of units that are weighted (and rejected) as one: each corner, or the pose.
   int unitCount() const { return pose ? 1 : static_cast<int>(corners.size()); }

@@ -38,6 +38,8 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
+  /// Tells how far it is before a piece is done, for a job whose pieces take long.
+  void show();
   /// One more piece is done. May be called from any thread.
   void advance();
 

@@ -10,6 +10,7 @@
 
 #include "poecal/capture/row_order.hpp"
 #include "poecal/cell/measurements.hpp"
+#include "poecal/core/progress.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/identification/identify.hpp"
 
@@ -19,6 +20,8 @@ struct DiagnoseOptions {
   int folds = 5;           ///< in how many turns the poses judge a fit that did not see them
   std::uint64_t seed = 1;  ///< of the folds and of the bootstrap
   int jobs = 1;            ///< candidates weighed at a time (0: one per core); the result does not depend on it
+  /// Told of each round of the search, whose number nobody knows before, and of each model that is judged. May be empty.
+  ProgressFunction progress = {};
 };
 
 /// What tells how noisy the measuring is.

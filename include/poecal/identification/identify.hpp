@@ -7,6 +7,7 @@
 
 #include "poecal/cell/adjustment.hpp"
 #include "poecal/cell/measurements.hpp"
+#include "poecal/core/progress.hpp"
 #include "poecal/identification/errors.hpp"
 #include "poecal/identification/model.hpp"
 #include "poecal/registration/registration.hpp"
@@ -42,6 +43,7 @@ struct IdentifyOptions {
   bool registered = false;          ///< poses are T_base_flange already: both transforms are identity
   int jobs = 1;                     ///< fits worked on at a time (0: one per core); the result does not depend on it
   bool allow_still_joints = false;  ///< a joint that never moved keeps its nominal axis instead of being an error
+  ProgressFunction progress = {};   ///< told of each fit; may be empty
   void validate() const;
 };
 

@@ -9,6 +9,7 @@
 #include "poecal/cell/adjustment.hpp"
 #include "poecal/cell/cell.hpp"
 #include "poecal/cell/observation.hpp"
+#include "poecal/core/progress.hpp"
 
 namespace poecal {
 
@@ -18,6 +19,7 @@ struct RegistrationOptions {
   /// Pictures that the rest contradicts are named and left out: only where the arm's poses are the controller's own, since a nominal arm is
   /// wrong everywhere by more than a picture is.
   bool leave_out_bad = true;
+  ProgressFunction progress = {};  ///< may be empty
 };
 
 /// One sample after registration.
