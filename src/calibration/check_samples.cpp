@@ -35,7 +35,7 @@ void sayPoses(const Arm* arm, const SampleTable& table, CheckList& list) {
   }
   if (repeated == 0) {
     list.add(CheckLevel::kAdvice, "samples",
-             "no pose was taken twice: 5 poses taken 3 times tell how well the arm repeats, apart from all else");
+             "no pose was taken twice: 5 poses taken 3 times tell the noise of the pictures apart from all else");
   }
   if (!table.has_joints) {
     list.add(CheckLevel::kAdvice, "samples", "no joint readings q1, q2, ...: only camera and target can be registered (poecal measure)");
