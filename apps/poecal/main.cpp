@@ -19,7 +19,6 @@
 #include "commands.hpp"
 #include "numbers.hpp"
 #include "poecal/core/error.hpp"
-#include "poecal/core/printable.hpp"
 #include "terminal.hpp"
 
 namespace poecal::app {
@@ -76,8 +75,8 @@ void requireUsableNumbers(const CLI::App& command) {
     for (const std::string& word : option->results()) {
       double number = 0.0;
       if (CLI::detail::lexical_cast(word, number) && !(std::abs(number) <= kLargest)) {
-        throw InvalidArgument(fmt::format("{}: '{}': expected a number from -1e9 to 1e9 (--help shows the options)", option->get_name(),
-                                          printableLine(word)));
+        throw InvalidArgument(
+            fmt::format("{}: '{}': expected a number from -1e9 to 1e9 (--help shows the options)", option->get_name(), word));
       }
     }
   }
@@ -107,8 +106,8 @@ int runProgram(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const std::vector<std::string> words = app.remaining();
     if (app.get_subcommands().empty() && !words.empty() && !words.front().starts_with("-")) {
-      throw InvalidArgument(fmt::format("'{}' is no command, did you mean {}? (--help lists them)", printableLine(words.front()),
-                                        nearestCommand(words.front())));
+      throw InvalidArgument(
+          fmt::format("'{}' is no command, did you mean {}? (--help lists them)", words.front(), nearestCommand(words.front())));
     }
     throw InvalidArgument(std::string(error.what()) + " (--help shows the options)");
   }

@@ -1,6 +1,7 @@
 #include "sources.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "numbers.hpp"
 #include "poecal/core/error.hpp"
@@ -32,6 +33,11 @@ void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options) {
                  "Known transforms: registration.yaml with T_camera_base (instrument) or T_flange_target (tool)")
       ->needs(poses);
   app.add_flag("--registered", options.registered, "The poses are T_base_flange: nothing needs to be registered")->needs(poses);
+}
+
+void requireArmOf(const Model& model, const std::filesystem::path& model_file, const Arm& nominal, const std::filesystem::path& robot) {
+  const std::string difference = differenceOfArms(*model.cell.arm, nominal);
+  if (!difference.empty()) throw FileError(robot, 0, fmt::format("is not the arm of {}: {}", model_file.string(), difference));
 }
 
 CalibrationRun runSource(const std::string& command, const ArmSource& source, const std::filesystem::path& out, CalibrateOptions options,

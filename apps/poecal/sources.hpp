@@ -26,6 +26,9 @@ struct ArmSource {
 };
 void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options);
 
+/// @throws FileError: the nominal arm of `robot` is not the one of which `model_file` is a calibration.
+void requireArmOf(const Model& model, const std::filesystem::path& model_file, const Arm& nominal, const std::filesystem::path& robot);
+
 /// Calibrates whichever of the two was given. @throws InvalidArgument where neither was; otherwise as runCapture().
 CalibrationRun runSource(const std::string& command, const ArmSource& source, const std::filesystem::path& out, CalibrateOptions options,
                          const ResultFiles& files, const Common& common);

@@ -9,9 +9,11 @@
 
 #include "calibration/check_parts.hpp"
 #include "capture/manifest.hpp"
+#include "cell/transform_names.hpp"
 #include "core/yaml.hpp"
 #include "poecal/cell/known_registration.hpp"
 #include "poecal/core/error.hpp"
+#include "registration/known_transforms.hpp"
 
 namespace poecal {
 namespace {
@@ -63,8 +65,8 @@ void sayCamera(const Camera& camera, CheckList& list) {
 
 void sayRegistration(const Registration& registration, CheckList& list) {
   std::vector<std::string> known;
-  if (registration.known_near) known.push_back(fmt::format("T_camera_{}", registration.nearFrame()));
-  if (registration.known_far) known.push_back(fmt::format("T_{}_target", registration.farFrame()));
+  if (registration.known_near) known.push_back(nearName(registration));
+  if (registration.known_far) known.push_back(farName(registration));
   list.add(CheckLevel::kOk, "registration", fmt::format("{} known beforehand", fmt::join(known, " and ")));
 }
 
@@ -91,7 +93,7 @@ void checkParts(const YamlNode& root, CheckList& list) {
     });
   }
   list.attempt("samples", [&] {
-    const bool known = registration.known_near && registration.known_far;
+    const bool known = knowsBoth(registration);
     const Arm* arm = robot ? &robot->arm : nullptr;
     const SampleTable table = readSamples(namedFile(root["samples"]), robot ? robot->arm.jointCount() : 0, arm);
     if (arm != nullptr || !table.has_joints) checkSamples(table.has_joints ? arm : nullptr, table, known, list);

@@ -77,7 +77,7 @@ void sayJoints(const Arm* arm, const SampleTable& table, CheckList& list) {
 }
 
 /// Turns about one axis alone leave the registration open along it; without any turn there is none.
-void sayOrientations(const Arm* arm, const SampleTable& table, bool known, CheckList& list) {
+void sayOrientations(const Arm* arm, const SampleTable& table, CheckList& list) {
   const std::vector<Sample>& samples = table.samples;
   std::vector<Eigen::Isometry3d> poses;
   std::vector<Eigen::Matrix3d> rotations;
@@ -85,7 +85,6 @@ void sayOrientations(const Arm* arm, const SampleTable& table, bool known, Check
     poses.push_back(table.has_joints ? forwardKinematics(*arm, sample.q) : *sample.T_base_flange);
     rotations.push_back(poses.back().linear());
   }
-  if (known) return;
   if (rotationDirections(poses) == 0) {
     list.add(CheckLevel::kTooLittle, "samples",
              "the flange never turned by more than half a degree: registration needs poses of different orientation, or both of its "
@@ -151,7 +150,7 @@ void sayColumns(const SampleTable& table, CheckList& list) {
 void checkSamples(const Arm* arm, const SampleTable& table, bool known, CheckList& list) {
   sayPoses(arm, table, list);
   if (table.has_joints) sayJoints(arm, table, list);
-  sayOrientations(arm, table, known, list);
+  if (!known) sayOrientations(arm, table, list);
   sayColumns(table, list);
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "capture/output_columns.hpp"
+#include "cell/transform_names.hpp"
 #include "core/yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "poecal/calibration/results.hpp"
@@ -33,10 +34,10 @@ std::string registrationYaml(const Calibration& calibration, const Measurements&
   };
   std::string text = "format: poecal-registration/1\n";
   text += fmt::format("setup: {}\n", setupName(registration.setup));
-  text += fmt::format("T_camera_{}: {}\n", registration.nearFrame(), yamlPose(registration.T_camera_near));
-  text += fmt::format("T_{}_target: {}\n", registration.farFrame(), yamlPose(registration.T_far_target));
+  const std::string near = nearName(registration), far = farName(registration);
+  text += fmt::format("{}: {}\n{}: {}\n", near, yamlPose(registration.T_camera_near), far, yamlPose(registration.T_far_target));
   text += "standard_deviation:  # of left perturbations (rotation, translation) in the first-named frame, rad and m\n";
-  text += fmt::format("  T_camera_{}: {}\n  T_{}_target: {}\n", registration.nearFrame(), block(0), registration.farFrame(), block(6));
+  text += fmt::format("  {}: {}\n  {}: {}\n", near, block(0), far, block(6));
   const auto left_out = std::count_if(result.samples.begin(), result.samples.end(), [](const RegisteredSample& s) { return s.left_out; });
   text += fmt::format("pictures: {}\npictures_with_corners: {}\npictures_left_out: {}\n", measurements.samples.size(),
                       measurements.observations.size(), left_out);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cell/transform_names.hpp"
 #include "core/yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "poecal/geometry/se3.hpp"
@@ -62,9 +63,6 @@ KnownTransform knownTransform(const YamlNode& node, const std::optional<YamlNode
   return known;
 }
 
-std::string nearKey(const Registration& registration) { return fmt::format("T_camera_{}", registration.nearFrame()); }
-std::string farKey(const Registration& registration) { return fmt::format("T_{}_target", registration.farFrame()); }
-
 }  // namespace
 
 Registration readRegistration(const std::filesystem::path& file) {
@@ -72,15 +70,15 @@ Registration readRegistration(const std::filesystem::path& file) {
   root.checkFormat("poecal-registration/1");
   Registration registration;
   if (root.has("T_camera_flange")) registration.setup = Setup::kEyeInHand;
-  registration.T_camera_near = poseOf(root[nearKey(registration).c_str()]);
-  registration.T_far_target = poseOf(root[farKey(registration).c_str()]);
+  registration.T_camera_near = poseOf(root[nearName(registration).c_str()]);
+  registration.T_far_target = poseOf(root[farName(registration).c_str()]);
   return registration;
 }
 
 void readKnownRegistration(const std::filesystem::path& file, Registration& registration) {
   const YamlNode root = YamlNode::load(file);
   root.checkFormat("poecal-registration/1");
-  const std::string near = nearKey(registration), far = farKey(registration);
+  const std::string near = nearName(registration), far = farName(registration);
   if (const auto setup = root.find("setup"); setup && setup->text() != setupName(registration.setup)) {
     setup->fail(fmt::format("is {}, but the capture's is {}", setup->text(), setupName(registration.setup)));
   }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cell/transform_names.hpp"
 #include "poecal/core/error.hpp"
 
 namespace poecal {
@@ -34,8 +35,8 @@ std::vector<std::string> parameterNames(const Cell& cell, const FreeParameters& 
   };
   if (free.twists) names = twistParameterNames(*cell.arm);
   if (free.gamma) pose("Gamma");
-  if (free.near) pose(fmt::format("T_camera_{}", cell.registration.nearFrame()));
-  if (free.far) pose(fmt::format("T_{}_target", cell.registration.farFrame()));
+  if (free.near) pose(nearName(cell.registration));
+  if (free.far) pose(farName(cell.registration));
   if (free.intrinsics) {
     for (const std::string& name : cell.camera->parameterNames()) names.push_back(name);
   }

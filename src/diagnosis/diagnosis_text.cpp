@@ -11,8 +11,6 @@
 namespace poecal {
 namespace {
 
-std::string size(const Diagnosis& diagnosis, double value) { return gapText(diagnosis.pixels, value); }
-
 std::string meaning(const std::string& effect) {
   if (effect == kUnknownEffect) return "structure that no listed effect explains";
   return effectKind(effect).meaning;
@@ -22,16 +20,16 @@ std::string meaning(const std::string& effect) {
 std::string noise(const Diagnosis& diagnosis) {
   if (!diagnosis.noiseKnown()) {
     return fmt::format("noise {}: at most {}, of which none is subtracted", noiseSourceName(diagnosis.noise_source),
-                       size(diagnosis, diagnosis.noise_bounds.second));
+                       gapText(diagnosis, diagnosis.noise_bounds.second));
   }
-  return "noise " + size(diagnosis, diagnosis.noise_rms);
+  return "noise " + gapText(diagnosis, diagnosis.noise_rms);
 }
 
 /// How large the gap is that remains when all is done that was found.
 std::string remains(const Diagnosis& diagnosis) {
-  std::string text = fmt::format("  what remains: {} above the noise ({} to {})", size(diagnosis, diagnosis.after_excess),
-                                 size(diagnosis, diagnosis.after_interval.first), size(diagnosis, diagnosis.after_interval.second));
-  if (!diagnosis.findings.empty()) text += fmt::format(", of {} without the findings", size(diagnosis, diagnosis.before_excess));
+  std::string text = fmt::format("  what remains: {} above the noise ({} to {})", gapText(diagnosis, diagnosis.after_excess),
+                                 gapText(diagnosis, diagnosis.after_interval.first), gapText(diagnosis, diagnosis.after_interval.second));
+  if (!diagnosis.findings.empty()) text += fmt::format(", of {} without the findings", gapText(diagnosis, diagnosis.before_excess));
   text += '\n';
   if (!diagnosis.noiseKnown()) {
     text +=
@@ -46,8 +44,8 @@ std::string ladder(const Diagnosis& diagnosis) {
   for (const GapStage& stage : diagnosis.stages) width = std::max(width, stage.stage.size());
   for (const GapStage& stage : diagnosis.stages) {
     const double rms = diagnosis.pixels ? stage.errors.px.rms : stage.errors.position.rms;
-    text += fmt::format("    {:<{}}  rms {}, above noise {}, {:.3f} mm, {:.3f} mrad\n", stage.stage, width, size(diagnosis, rms),
-                        size(diagnosis, stage.excess), 1e3 * stage.errors.position.mean, 1e3 * stage.errors.rotation.mean);
+    text += fmt::format("    {:<{}}  rms {}, above noise {}, {:.3f} mm, {:.3f} mrad\n", stage.stage, width, gapText(diagnosis, rms),
+                        gapText(diagnosis, stage.excess), 1e3 * stage.errors.position.mean, 1e3 * stage.errors.rotation.mean);
   }
   return text;
 }

@@ -87,7 +87,7 @@ double withinMisfit(const Linearised& linear, const MeasuredCell& measured, cons
                     double log_bayes) {
   const ColumnPrior prior = basePrior(measured, linear.state, tolerance).joinedWith(linear.column_prior);
   const NoiseEstimate without = likelihoodsAt(linear.rows, linear.components, theta, linear.columns, {prior}).front();
-  return std::min(log_bayes, 0.5 * (without.misfit + (linear.reference ? linear.reference->misfit() : 0.0)));
+  return std::min(log_bayes, 0.5 * (without.misfit + linear.reference.misfit()));
 }
 
 std::size_t largest(const std::vector<double>& values) {
@@ -170,9 +170,8 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
   Eigen::Index width = 0;
   for (const Accepted& one : accepted) width += one.candidate.typical.size();
   linear.columns.resize(linear.rows.size(), width);
-  ReferenceSight sight(measured, state.cell.cell, seenOfReference(state, accepted), linear.rows);
-  if (!sight.empty()) linear.reference = std::move(sight);
-  if (linear.reference) {
+  linear.reference = ReferenceSight(measured, state.cell.cell, seenOfReference(state, accepted), linear.rows);
+  if (!linear.reference.empty()) {
     linear.reference_motions = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(linear.rows.observations.size()), width);
   }
   Eigen::Index begin = 0;
@@ -182,12 +181,9 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
     const Eigen::Index own = one.candidate.known() ? static_cast<Eigen::Index>(one.candidate.linear.size()) : 0;
     const Eigen::Index rest = columns.cols() - own;
     linear.rows.r -= columns.rightCols(rest) * one.factors.tail(rest);
-    if (linear.reference) {
-      const Eigen::MatrixXd motions = linear.reference->motionsOf(one.candidate, linear.rows);
-      if (motions.cols() > 0) {
-        linear.reference_motions.middleCols(begin, columns.cols()) = motions;
-        linear.reference->take(motions.rightCols(rest) * one.factors.tail(rest));
-      }
+    if (const Eigen::MatrixXd motions = linear.reference.motionsOf(one.candidate, linear.rows); motions.cols() > 0) {
+      linear.reference_motions.middleCols(begin, columns.cols()) = motions;
+      linear.reference.take(motions.rightCols(rest) * one.factors.tail(rest));
     }
     linear.columns.middleCols(begin, columns.cols()) = columns;
     begin += columns.cols();
@@ -200,13 +196,13 @@ Linearised linearise(const MeasuredCell& measured, const ModelState& state, cons
 
 void Linearised::believe(const ColumnPrior& prior) {
   plain_prior = column_prior = prior;
-  if (!reference) return;
+  if (reference.empty()) return;
   double log_mass = 0.0;
   column_prior =
-      prior.informedBy(reference->information(reference_motions, reference_motions), reference->score(reference_motions), log_mass);
+      prior.informedBy(reference.information(reference_motions, reference_motions), reference.score(reference_motions), log_mass);
   const double determinants = 0.5 * (prior.log_determinant - column_prior.log_determinant);
-  reference_misfit = reference->misfit() - 2.0 * (log_mass - determinants);
-  reference_log = log_mass - 0.5 * reference->misfit();
+  reference_misfit = reference.misfit() - 2.0 * (log_mass - determinants);
+  reference_log = log_mass - 0.5 * reference.misfit();
 }
 
 void setNoise(const MeasuredCell& measured, const NoiseEstimate& from, Linearised& linear) {
@@ -221,16 +217,15 @@ WhiteResidual whiteResidual(const Linearised& linear) {
 
 ReferenceInformation referenceInformation(const Linearised& linear, const Candidate& candidate) {
   ReferenceInformation told;
-  if (!linear.reference) return told;
-  const Eigen::MatrixXd motions = linear.reference->motionsOf(candidate, linear.rows);
+  const Eigen::MatrixXd motions = linear.reference.motionsOf(candidate, linear.rows);
   if (motions.cols() == 0) return told;
   const Eigen::Index before = linear.columns.cols(), own = motions.cols();
   told.S = Eigen::MatrixXd::Zero(before + own, before + own);
-  told.S.topRightCorner(before, own) = linear.reference->information(linear.reference_motions, motions);
+  told.S.topRightCorner(before, own) = linear.reference.information(linear.reference_motions, motions);
   told.S.bottomLeftCorner(own, before) = told.S.topRightCorner(before, own).transpose();
-  told.S.bottomRightCorner(own, own) = linear.reference->information(motions, motions);
+  told.S.bottomRightCorner(own, own) = linear.reference.information(motions, motions);
   told.u = Eigen::VectorXd::Zero(before + own);
-  told.u.tail(own) = linear.reference->score(motions);
+  told.u.tail(own) = linear.reference.score(motions);
   return told;
 }
 
@@ -240,22 +235,19 @@ ExactEvidence exactEvidence(const Linearised& linear, const MeasuredCell& measur
   extra << linear.columns, columns;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(columns.cols());
   const ReferenceInformation told = referenceInformation(linear, candidate);
-  const auto prior = [&](double scale, double* log_mass = nullptr) {
-    ColumnPrior joined = linear.column_prior.joinedWith(ColumnPrior::independent(candidate.spread(scale, screened.found), zero));
-    if (told.S.size() == 0) return joined;
-    double mass = 0.0;
-    joined = joined.informedBy(told.S, told.u, mass);
-    if (log_mass != nullptr) *log_mass = mass;
-    return joined;
+  const auto prior = [&](double scale, double& log_mass) {
+    const ColumnPrior joined = linear.column_prior.joinedWith(ColumnPrior::independent(candidate.spread(scale, screened.found), zero));
+    return told.S.size() == 0 ? joined : joined.informedBy(told.S, told.u, log_mass);
   };
   ExactEvidence exact;
   exact.scale = screened.scale;
-  exact.noise =
-      estimateNoise(measured, linear.state, linear.rows, linear.components, extra, prior(screened.scale), &linear.noise, kPrecision);
+  double log_mass = 0.0;  // of no use where the noise is estimated: it does not hang on that
+  const ColumnPrior at_screened = prior(screened.scale, log_mass);
+  exact.noise = estimateNoise(measured, linear.state, linear.rows, linear.components, extra, at_screened, &linear.noise, kPrecision);
   const ColumnPrior base = basePrior(measured, linear.state, exact.noise.tolerance);
-  std::vector<ColumnPrior> priors{base.joinedWith(prior(screened.scale))};
-  std::vector<double> masses;
-  for (const double scale : evidenceScales()) priors.push_back(base.joinedWith(prior(scale, &masses.emplace_back(0.0))));
+  std::vector<ColumnPrior> priors{base.joinedWith(at_screened)};
+  std::vector<double> masses(evidenceScales().size(), 0.0);
+  for (std::size_t i = 0; i < masses.size(); ++i) priors.push_back(base.joinedWith(prior(evidenceScales()[i], masses[i])));
   const std::vector<NoiseEstimate> estimates = likelihoodsAt(linear.rows, linear.components, exact.noise.theta, extra, priors);
   const double penalty = estimates.front().log_likelihood - exact.noise.log_likelihood;
   std::vector<double> over_scales;

@@ -1,7 +1,6 @@
 // How strongly the rows speak for an explanation, with the noise estimated anew beside it; screening.hpp weighs all of them at once.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "diagnosis/candidates.hpp"
@@ -26,13 +25,14 @@ Eigen::VectorXd fittedSpread(const Accepted& one);
 struct Linearised {
   ModelState state;
   std::vector<Accepted> accepted;
-  CaptureRows rows;                         ///< r without the linear parts of what was accepted
-  Eigen::MatrixXd columns;                  ///< of what was accepted
-  ColumnPrior plain_prior;                  ///< of `columns`, before the reference is looked at
-  ColumnPrior column_prior;                 ///< with it
-  std::optional<ReferenceSight> reference;  ///< where the pictures show one
-  Eigen::MatrixXd reference_motions;        ///< by each of `columns`; zero where a column moves no camera
-  double reference_log = 0.0;               ///< log of what the reference makes of `columns`
+  CaptureRows rows;                   ///< r without the linear parts of what was accepted
+  Eigen::MatrixXd columns;            ///< of what was accepted
+  ColumnPrior plain_prior;            ///< of `columns`, before the reference is looked at
+  ColumnPrior column_prior;           ///< with it
+  ReferenceSight reference;           ///< empty where the pictures show none
+  Eigen::MatrixXd reference_motions;  ///< by each of `columns`; zero where a column moves no camera
+  double reference_log = 0.0;         ///< what the reference adds to the log of the likelihood
+  double reference_misfit = 0.0;      ///< and to the misfit at b = 0
   std::vector<NoiseComponent> components;
   NoiseEstimate noise;  ///< with all of this
   bool settled = true;  ///< refit() came to rest here
@@ -48,7 +48,6 @@ struct Linearised {
   double logLikelihood() const { return noise.log_likelihood + reference_log; }
   /// Misfit likewise.
   double misfit() const { return noise.misfit + reference_misfit; }
-  double reference_misfit = 0.0;
 };
 
 /// @param groups  the poses to use; empty: all. @param scatter  joints that move at random by themselves.

@@ -1,7 +1,6 @@
 #include "diagnosis/reference_sight.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -25,11 +24,12 @@ Observation sightOf(const Observation& observation) {
 struct Sight {
   std::size_t place = 0;   ///< among the rows' observations
   std::size_t number = 0;  ///< among the measured ones, in the order taken
-  Cell cell;               ///< with the camera as it is disturbed
+  Cell cell;               ///< the camera alone, as it is disturbed
   Observation observation;
   Eigen::Isometry3d mount = Eigen::Isometry3d::Identity();
   Matrix6d weight = Matrix6d::Zero();  ///< H' H
   Vector6d score = Vector6d::Zero();   ///< H' r
+  Vector6d motion = Vector6d::Zero();  ///< of the mount, by this picture alone
   double squares = 0.0;
 };
 
@@ -41,10 +41,11 @@ void evaluate(const Eigen::Isometry3d& T_camera_reference, Sight& sight) {
   sight.squares = rows.r.squaredNorm();
 }
 
-/// Gauss-Newton for the one pose that serves all pictures, from the one that a picture shows.
-std::optional<Eigen::Isometry3d> commonPose(std::vector<Sight>& sights) {
+/// Evaluates all pictures at the one pose that serves them best, by Gauss-Newton from that which a picture shows. False where there is
+/// none.
+bool evaluateAtCommonPose(std::vector<Sight>& sights) {
   const std::vector<TargetPose> poses = targetPoses(*sights.front().cell.camera, sights.front().observation);
-  if (poses.empty()) return {};
+  if (poses.empty()) return false;
   Eigen::Isometry3d T = sights.front().mount.inverse() * poses.front().T_camera_target;
   constexpr int kSteps = 20;
   constexpr double kSettled = 1e-10;
@@ -57,12 +58,15 @@ std::optional<Eigen::Isometry3d> commonPose(std::vector<Sight>& sights) {
       score += sight.score;
     }
     const Vector6d change = weight.ldlt().solve(score);
-    if (!change.allFinite()) return {};
+    if (!change.allFinite()) return false;
     T = expSe3(change) * T;
     if (change.norm() < kSettled) break;
   }
-  for (Sight& sight : sights) evaluate(T, sight);
-  return T;
+  for (Sight& sight : sights) {
+    evaluate(T, sight);
+    sight.motion = sight.weight.ldlt().solve(sight.score);
+  }
+  return true;
 }
 
 /// Variance of the noise in units of the stated one: that of the corners about a pose of each picture's own, or, from the median, that of
@@ -70,17 +74,15 @@ std::optional<Eigen::Isometry3d> commonPose(std::vector<Sight>& sights) {
 double varianceOf(const std::vector<Sight>& sights) {
   double squares = 0.0, spare = 0.0;
   std::vector<double> differences;
-  std::vector<Matrix6d> covariances;
-  std::vector<Vector6d> motions;
-  for (const Sight& sight : sights) {
-    covariances.push_back(sight.weight.inverse());
-    motions.push_back(covariances.back() * sight.score);
-    squares += sight.squares - sight.score.dot(motions.back());
+  for (std::size_t k = 0; k < sights.size(); ++k) {
+    const Sight& sight = sights[k];
+    squares += sight.squares - sight.score.dot(sight.motion);
     spare += 2.0 * static_cast<double>(sight.observation.corners.size()) - 6.0;
-    const std::size_t k = motions.size() - 1;
     if (k == 0) continue;
-    const Vector6d difference = motions[k] - motions[k - 1];
-    differences.push_back(difference.dot((covariances[k] + covariances[k - 1]).ldlt().solve(difference)));
+    const Sight& before = sights[k - 1];
+    const Vector6d difference = sight.motion - before.motion;
+    const Matrix6d covariance = sight.weight.inverse() + before.weight.inverse();
+    differences.push_back(difference.dot(covariance.ldlt().solve(difference)));
   }
   constexpr double kLeast = 1e-12;  // of corners without noise
   return std::max({kLeast, squares / spare, median(differences) / chiSquareQuantile(0.5, 6)});
@@ -97,14 +99,14 @@ ReferenceSight::ReferenceSight(const MeasuredCell& measured, const Cell& cell, c
     const Observation& observation = measured.observations[context.number];
     if (observation.reference.size() < kFewestCorners) continue;
     const Disturbance disturbance = effects.empty() ? Disturbance() : disturbanceOf(effects, context);
-    Sight sight{.place = k, .number = context.number, .cell = cell, .observation = sightOf(observation)};
-    if (!effects.empty()) sight.cell.camera = disturbedCamera(cell, disturbance);
+    Sight sight{.place = k, .number = context.number, .cell = {}, .observation = sightOf(observation)};
+    sight.cell.camera = disturbedCamera(cell, disturbance);
     sight.mount = expSe3(disturbance.mount);
     sights.push_back(std::move(sight));
   }
   if (sights.size() < kFewestPictures) return;
   std::sort(sights.begin(), sights.end(), [](const Sight& a, const Sight& b) { return a.number < b.number; });
-  if (!commonPose(sights)) return;
+  if (!evaluateAtCommonPose(sights)) return;
   const double variance = varianceOf(sights);
   pictures_ = sights.size();
   weights_.assign(rows.observations.size(), Matrix6d::Zero());
@@ -112,7 +114,7 @@ ReferenceSight::ReferenceSight(const MeasuredCell& measured, const Cell& cell, c
   Matrix6d total = Matrix6d::Zero();
   for (const Sight& sight : sights) {
     weights_[sight.place] = sight.weight / variance;
-    motions_.segment<6>(6 * static_cast<Eigen::Index>(sight.place)) = sight.weight.ldlt().solve(sight.score);
+    motions_.segment<6>(6 * static_cast<Eigen::Index>(sight.place)) = sight.motion;
     total += weights_[sight.place];
   }
   total_inverse_ = total.inverse();

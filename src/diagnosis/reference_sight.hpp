@@ -21,6 +21,7 @@ namespace poecal {
 /// picture to picture is no drift.
 class ReferenceSight {
  public:
+  ReferenceSight() = default;
   /// Of the observations of `rows`. Without a camera beside the arm, or with fewer than four pictures that show the reference, it is
   /// empty().
   /// @param effects  those of the state that change what is seen of a reference: of the lens, and what moves the camera.

@@ -214,7 +214,7 @@ std::vector<Evidence> screen(const Linearised& linear, const std::vector<Candida
   std::vector<Evidence> all(candidates.size());
   parallelFor(chunks.size(), linear.jobs, [&](std::size_t i) {
     Chunk& chunk = chunks[i];
-    if (linear.reference) addReference(linear, candidates, chunk);
+    if (!linear.reference.empty()) addReference(linear, candidates, chunk);
     // The covariance of what is there already is the inverse of its information with the priors.
     const Eigen::MatrixXd explained = linear.noise.covariance * chunk.cross;
     Eigen::Index column = 0;

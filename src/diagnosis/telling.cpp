@@ -128,7 +128,7 @@ Finding findingOf(const Selection& selection, const FoundEffect& found, const Ei
   if (found.accepted) finding.largest_deflection = largestDeflection(selection, *found.accepted);
   fillAlternatives(found.ranking, finding);
   if (const EffectKind* kind = findEffectKind(found.name)) finding.remedy = kind->remedy;
-  if (found.accepted && found.place.kind == PlaceKind::kCameraMount && selection.linear.reference) {
+  if (found.accepted && found.place.kind == PlaceKind::kCameraMount && !selection.linear.reference.empty()) {
     finding.reference = found.accepted->candidate.moves_reference
                             ? "the reference tags moved with it: it is the camera that moved"
                             : "the reference tags stood still: it is the base that moved, not the camera";

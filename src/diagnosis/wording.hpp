@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "poecal/diagnosis/diagnose.hpp"
+
 namespace poecal {
 
-/// "0.123 px", or of a value in metres "0.123 mm".
-inline std::string gapText(bool pixels, double value) {
-  return pixels ? fmt::format("{:.3f} px", value) : fmt::format("{:.3f} mm", 1e3 * value);
+/// A rms of a diagnosis: "0.123 px", or of one without pictures, whose values are in metres, "0.123 mm".
+inline std::string gapText(const Diagnosis& diagnosis, double value) {
+  return diagnosis.pixels ? fmt::format("{:.3f} px", value) : fmt::format("{:.3f} mm", 1e3 * value);
 }
 
 /// "42 %"

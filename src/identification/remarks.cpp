@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "cell/transform_names.hpp"
 #include "poecal/registration/registration.hpp"
 
 namespace poecal {
@@ -70,15 +71,14 @@ std::vector<std::string> gaugeRemarks(const Arm& nominal, const MethodFit& fit, 
   }
   const Registration& registration = fit.cell.registration;
   if (fit.free.near) {
-    remarks.push_back(fmt::format("Gamma and T_{}_target are one unknown: Gamma is held at its nominal value", registration.farFrame()));
+    remarks.push_back(fmt::format("Gamma and {} are one unknown: Gamma is held at its nominal value", farName(registration)));
     remarks.push_back(
         fmt::format("moving the {} frame and all axes together changes nothing: the frame is where the axes are nearest to "
                     "nominal, weighed by the tolerances",
                     registration.nearFrame()));
   } else if (!registered) {
-    remarks.push_back(
-        fmt::format("T_camera_{} and T_{}_target are held as registered with the nominal arm; the axes and Gamma take up what they lack",
-                    registration.nearFrame(), registration.farFrame()));
+    remarks.push_back(fmt::format("{} and {} are held as registered with the nominal arm; the axes and Gamma take up what they lack",
+                                  nearName(registration), farName(registration)));
   }
   return remarks;
 }

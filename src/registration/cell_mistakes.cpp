@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -8,6 +7,7 @@
 
 #include "poecal/core/text.hpp"
 #include "registration/mistakes.hpp"
+#include "robot/arm_size.hpp"
 
 namespace poecal {
 namespace {
@@ -15,13 +15,6 @@ namespace {
 // No arm of this kind is built.
 constexpr double kLargestArm = 20.0;
 constexpr double kSmallestArm = 0.02;
-
-/// How far its axes reach from the base [m].
-double reachOf(const Arm& arm) {
-  double reach = expSe3(arm.gamma).translation().norm();
-  for (const Joint& joint : arm.joints) reach = std::max(reach, joint.anchor.norm());
-  return reach;
-}
 
 Arm scaledArm(const Arm& arm, double factor) {
   Arm scaled = arm;

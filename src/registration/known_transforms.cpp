@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "cell/transform_names.hpp"
 #include "poecal/geometry/se3.hpp"
 #include "poecal/registration/implausible.hpp"
 
@@ -49,17 +50,19 @@ Registration freed(const Registration& known, bool near, const std::vector<Hypot
   return best;
 }
 
-/// What the poses say against a transform that is known; empty where nothing.
-std::string contradiction(const std::string& name, const Eigen::Isometry3d& seen, const std::optional<KnownTransform>& known) {
+/// What the poses say against the near (or far) transform, which they put where `seen` has it; empty where nothing.
+std::string contradiction(const Registration& stated, bool near, const Registration& seen) {
   // What the axes of a loose arm that is still nominal may turn and shift a registration by.
   constexpr double kAngle = 0.05, kDistance = 0.05, kSigmas = 5.0;  // [rad], [m]
+  const std::optional<KnownTransform>& known = near ? stated.known_near : stated.known_far;
   if (!known) return "";
-  const Vector6d off = logSe3(seen * known->T.inverse());
+  const Eigen::Isometry3d& T = near ? seen.T_camera_near : seen.T_far_target;
+  const Vector6d off = logSe3(T * known->T.inverse());
   const bool beyond = (off.cwiseAbs().array() > kSigmas * known->sigma.array()).any();
-  const double angle = off.head<3>().norm(), distance = (seen.translation() - known->T.translation()).norm();
+  const double angle = off.head<3>().norm(), distance = (T.translation() - known->T.translation()).norm();
   if (!beyond || (angle < kAngle && distance < kDistance)) return "";
   return fmt::format("{} is stated {:.0f} mm and {:.0f} mrad from where the poses put it: is it of this cell, and the right way round?",
-                     name, 1e3 * distance, 1e3 * angle);
+                     near ? nearName(stated) : farName(stated), 1e3 * distance, 1e3 * angle);
 }
 
 }  // namespace
@@ -79,8 +82,7 @@ Consensus consensusAsKnown(const Cell& cell, const std::vector<Observation>& obs
   const Misfit misfit = misfitIn(cell, observations);
   for (const bool near : {true, false}) {
     const Registration other = freed(known, near, samples, misfit);
-    const std::string said = near ? contradiction(fmt::format("T_camera_{}", known.nearFrame()), other.T_camera_near, known.known_near)
-                                  : contradiction(fmt::format("T_{}_target", known.farFrame()), other.T_far_target, known.known_far);
+    const std::string said = contradiction(known, near, other);
     if (said.empty() || found.misfit < kFarWorse * medianMisfit(other, samples, misfit)) continue;
     throw ImplausibleCapture(said, InputPart::kRegistration);
   }
@@ -91,11 +93,10 @@ std::vector<std::string> weighInKnown(const Cell& known, const std::vector<Obser
                                       const std::vector<HypothesisSample>& samples, bool robust, Consensus& found) {
   const Registration& stated = known.registration;
   if (!stated.known_near && !stated.known_far) return {};
-  const Registration seen = found.fit.cell.registration;
   std::vector<std::string> contradictions;
-  for (const std::string& said : {contradiction(fmt::format("T_camera_{}", stated.nearFrame()), seen.T_camera_near, stated.known_near),
-                                  contradiction(fmt::format("T_{}_target", stated.farFrame()), seen.T_far_target, stated.known_far)}) {
-    if (!said.empty()) contradictions.push_back(said);
+  for (const bool near : {true, false}) {
+    std::string said = contradiction(stated, near, found.fit.cell.registration);
+    if (!said.empty()) contradictions.push_back(std::move(said));
   }
   Cell start = found.fit.cell;
   start.registration.known_near = stated.known_near;

@@ -17,6 +17,13 @@ struct Mistake {
   bool sure = true;  ///< other explanations of its kind are as simple; false: it takes two changes and yields to one that takes one
 };
 
+// Of two mistakes that explain a capture, by what each leaves: one that stands before the other, and one that is told beside it.
+constexpr double kClearlyBetter = 0.7;
+constexpr double kAsGood = 1.1;
+
+/// "; as likely: TEXT", of another mistake that explains as much; empty where there is none.
+inline std::string asLikely(const std::string& other) { return other.empty() ? "" : "; as likely: " + other; }
+
 /// Of joint readings: units, signs, exchanged columns, zeros. None without an arm.
 std::vector<Mistake> jointMistakes(const Problem& problem);
 /// Of poses, those of the flange where there is no arm, or those of an instrument: units, quaternions, Euler angles, inverses.

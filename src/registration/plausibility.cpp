@@ -57,10 +57,8 @@ constexpr double kNothing = 3.0;
 // Rows beside the pictures of others: beyond so many times the median, of so many rows.
 constexpr double kBeside = 5.0;
 constexpr double kManyBeside = 0.2;
-// Of two mistakes that explain a capture.
-constexpr double kClearlyBetter = 0.7;
+// Of two mistakes that explain as much with the arm's errors taken out, the share of the other's misfit at which one stands before it.
 constexpr double kFarBetter = 0.5;
-constexpr double kAsGood = 1.1;
 constexpr std::size_t kRows = 40;
 constexpr std::size_t kRefined = 12;
 
@@ -69,8 +67,8 @@ struct Suspicion {
   InputPart part = InputPart::kSamples;
   std::optional<std::size_t> sample;
   double misfit = 0.0, calibrated = 0.0;
-  std::string left;   ///< misfit with its unit
-  std::string other;  ///< another mistake that explains as much
+  std::string left;        ///< misfit with its unit
+  std::string other = {};  ///< another mistake that explains as much
 };
 
 /// "0.11 px", or of poses "0.05 mm".
@@ -96,8 +94,7 @@ std::vector<Mistake> mistakesOf(const Problem& few, const std::vector<Observatio
 Suspicion suspicionOf(const MispairedRows& rows, const Problem& few) {
   const bool poses = few.observations.front().pose.has_value();
   return {rows.text,   InputPart::kSamples, rows.sample,
-          rows.misfit, rows.misfit,         fmt::format("{:.4g} {}", rows.misfit, poses ? "of their deviations" : "px"),
-          ""};
+          rows.misfit, rows.misfit,         fmt::format("{:.4g} {}", rows.misfit, poses ? "of their deviations" : "px")};
 }
 
 /// The search over single mistakes in one capture.
@@ -171,7 +168,7 @@ class MistakeSearch {
     const bool arm_explains_rest = few_.cell.arm && std::isfinite(calibrated) && calibrated <= kMendsCalibrated * calibrated_.misfit &&
                                    calibrated <= kSuspicious * chance_;
     if (!explains(found->misfit) && !arm_explains_rest) return;
-    keep({text, part, std::nullopt, found->misfit, calibrated, leftText(altered, registration, found->misfit), ""});
+    keep({text, part, std::nullopt, found->misfit, calibrated, leftText(altered, registration, found->misfit)});
   }
 
   /// The earlier one stays unless another is clearly better: by what is left with the arm's errors taken out, and among equals before that.
@@ -199,9 +196,9 @@ double shareBeside(const Consensus& found, const std::vector<HypothesisSample>& 
 }
 
 [[noreturn]] void refuse(const Suspicion& suspicion, const std::string& stated) {
-  const std::string other = suspicion.other.empty() ? "" : fmt::format("; as likely: {}", suspicion.other);
-  throw ImplausibleCapture(fmt::format("{} (put right, it fits to {} instead of {}{})", suspicion.text, suspicion.left, stated, other),
-                           suspicion.part, suspicion.sample);
+  throw ImplausibleCapture(
+      fmt::format("{} (put right, it fits to {} instead of {}{})", suspicion.text, suspicion.left, stated, asLikely(suspicion.other)),
+      suspicion.part, suspicion.sample);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "cell/transform_names.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/registration/hand_eye.hpp"
@@ -272,8 +273,8 @@ RegistrationResult registerCell(const Cell& cell, const std::vector<Observation>
   const Registration& known = result.cell.registration;
   for (const std::string& direction : result.adjustment.unseen) {
     // What holds it there was asked for.
-    if (known.known_near && direction.find(fmt::format("T_camera_{}", known.nearFrame())) != std::string::npos) continue;
-    if (known.known_far && direction.find(fmt::format("T_{}_target", known.farFrame())) != std::string::npos) continue;
+    if (known.known_near && direction.find(nearName(known)) != std::string::npos) continue;
+    if (known.known_far && direction.find(farName(known)) != std::string::npos) continue;
     result.warnings.push_back("the registration does not determine " + direction +
                               " (the arm's motions leave it open); it is held where it started");
   }

@@ -23,9 +23,6 @@ constexpr double kPixels = 1.0;
 constexpr std::size_t kRows = 20, kTags = 6;
 // A change of the target explains it where it leaves this share.
 constexpr double kMends = 0.3;
-// Of two changes that explain it.
-constexpr double kClearlyBetter = 0.7;
-constexpr double kAsGood = 1.1;
 // Factors on the distance of the tags that are tried.
 constexpr double kFarthest = 0.7, kStep = 0.05;
 constexpr int kNearest = 2;  // steps; closer to what is stated it is a tag that was mounted badly, which is for the diagnosis to say
@@ -196,10 +193,10 @@ void requireTargetFits(const Cell& cell, const std::vector<Observation>& observa
     }
   }
   if (!best) return;
-  throw ImplausibleCapture(fmt::format("{} (with a pose of its own in each picture the target then fits to {:.3g} px instead of {}{})",
-                                       best->text, best->left, std::isfinite(stated) ? fmt::format("{:.3g} px", stated) : "not at all",
-                                       best->other.empty() ? "" : fmt::format("; as likely: {}", best->other)),
-                           best->part);
+  throw ImplausibleCapture(
+      fmt::format("{} (with a pose of its own in each picture the target then fits to {:.3g} px instead of {}{})", best->text, best->left,
+                  std::isfinite(stated) ? fmt::format("{:.3g} px", stated) : "not at all", asLikely(best->other)),
+      best->part);
 }
 
 }  // namespace poecal

@@ -53,13 +53,13 @@ std::string which(const Diagnosis& diagnosis) {
 }
 
 std::string remains(const Diagnosis& diagnosis) {
-  return fmt::format("{} above the noise ({} to {}) on held-out poses", gapText(diagnosis.pixels, diagnosis.after_excess),
-                     gapText(diagnosis.pixels, diagnosis.after_interval.first), gapText(diagnosis.pixels, diagnosis.after_interval.second));
+  return fmt::format("{} above the noise ({} to {}) on held-out poses", gapText(diagnosis, diagnosis.after_excess),
+                     gapText(diagnosis, diagnosis.after_interval.first), gapText(diagnosis, diagnosis.after_interval.second));
 }
 
 std::string howFar(const Diagnosis& diagnosis) {
   const Shrinkage& shrinkage = diagnosis.shrinkage;
-  const std::string before = gapText(diagnosis.pixels, diagnosis.before_excess);
+  const std::string before = gapText(diagnosis, diagnosis.before_excess);
   if (!shrinkage.claimed()) {
     return fmt::format("A smaller gap on held-out poses is not shown by these data; what remains is {}, of {} without the findings.",
                        remains(diagnosis), before);

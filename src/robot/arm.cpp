@@ -1,6 +1,5 @@
 #include "poecal/robot/arm.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "poecal/core/error.hpp"
+#include "robot/arm_size.hpp"
 
 namespace poecal {
 namespace {
@@ -140,8 +140,7 @@ std::string differenceOfArms(const Arm& nominal, const Arm& calibrated) {
   if (calibrated.jointCount() != nominal.jointCount()) {
     return fmt::format("{} joints, expected {}", calibrated.jointCount(), nominal.jointCount());
   }
-  double reach = expSe3(nominal.gamma).translation().norm();
-  for (const Joint& joint : nominal.joints) reach = std::max(reach, joint.anchor.norm());
+  const double farthest = kShiftOfReach * reachOf(nominal);
   for (std::size_t k = 0; k < nominal.joints.size(); ++k) {
     const Joint &from = nominal.joints[k], &to = calibrated.joints[k];
     if (from.type != to.type) {
@@ -149,7 +148,7 @@ std::string differenceOfArms(const Arm& nominal, const Arm& calibrated) {
       return fmt::format("joint {} is {}, expected {}", k + 1, typeName(to), typeName(from));
     }
     const AxisOffset offset = axisOffset(from, to);
-    if (offset.tilt <= kTilt && offset.shift <= kShiftOfReach * reach) continue;
+    if (offset.tilt <= kTilt && offset.shift <= farthest) continue;
     return fmt::format("axis {} is {:.0f} degrees and {:.0f} mm from where it should be", k + 1, offset.tilt * 180.0 / std::numbers::pi,
                        1e3 * offset.shift);
   }

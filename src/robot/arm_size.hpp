@@ -1,12 +1,16 @@
-// Sizes that no arm has: what is written in millimetres is a thousand times too large.
+// How large an arm is, and sizes that none has: what is written in millimetres is a thousand times too large.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
+
+#include "poecal/geometry/se3.hpp"
+#include "poecal/robot/arm.hpp"
 
 namespace poecal {
 
@@ -19,6 +23,13 @@ inline std::optional<std::string> sizeProblem(const Eigen::Vector3d& p_base) {
   const double reach = p_base.norm();
   if (reach <= kLargestReach) return std::nullopt;
   return fmt::format("is {:.2g} km from the base, expected metres: an arm in millimetres?", 1e-3 * reach);
+}
+
+/// How far an arm's axes and its flange reach from the base at zero [m].
+inline double reachOf(const Arm& arm) {
+  double reach = expSe3(arm.gamma).translation().norm();
+  for (const Joint& joint : arm.joints) reach = std::max(reach, joint.anchor.norm());
+  return reach;
 }
 
 }  // namespace poecal

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "capture/manifest.hpp"
+#include "cell/transform_names.hpp"
 #include "core/yaml.hpp"
 #include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
@@ -84,8 +85,7 @@ void readArms(const YamlNode& root, Scene& scene) {
 Registration readRegistration(const YamlNode& root) {
   Registration registration;
   if (const auto setup = root.find("setup")) registration.setup = readSetup(*setup);
-  const std::string near_key = fmt::format("T_camera_{}", registration.nearFrame());
-  const std::string far_key = fmt::format("T_{}_target", registration.farFrame());
+  const std::string near_key = nearName(registration), far_key = farName(registration);
   const YamlNode node = root["registration"];
   node.checkKeys({near_key.c_str(), far_key.c_str()});
   registration.T_camera_near = readPose(node[near_key.c_str()]);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "cell/transform_names.hpp"
 #include "core/yaml.hpp"
 #include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
@@ -148,8 +149,8 @@ void writeCapture(const Simulation& simulation, const std::filesystem::path& fol
 std::string truthYaml(const Scene& scene) {
   const Registration& registration = scene.registration;
   std::string text = fmt::format("format: poecal-truth/1\nname: {}\nsetup: {}\n", yamlText(scene.name), setupName(registration.setup));
-  text += fmt::format("registration:\n  T_camera_{}: {}\n  T_{}_target: {}\n", registration.nearFrame(),
-                      yamlPose(registration.T_camera_near), registration.farFrame(), yamlPose(registration.T_far_target));
+  text += fmt::format("registration:\n  {}: {}\n  {}: {}\n", nearName(registration), yamlPose(registration.T_camera_near),
+                      farName(registration), yamlPose(registration.T_far_target));
   text += fmt::format("seed: {}\n", scene.seed) + effectsYaml(scene.effects);
   if (scene.image && !scene.looks.empty()) {
     text += fmt::format("image: {{like: pictures.csv, background: {}}}\n", scene.image->background);

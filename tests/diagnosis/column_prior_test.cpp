@@ -55,7 +55,7 @@ TEST(ColumnPrior, RowsThatTellNothingChangeNothing) {
 
 TEST(ColumnPrior, OfTheArmWidensWithTheTolerance) {
   const MeasuredCell measured = test::smallCell(31, 12, 0.1, {}).measured();
-  const ModelState state{CellState(measured.start, measured.free), {}};
+  const ModelState state = test::nominalState(measured);
   const ColumnPrior tight = basePrior(measured, state, 1.0), wide = basePrior(measured, state, 3.0);
   const Eigen::Index twists = measured.twists.precision.rows();
   EXPECT_TRUE(tight.precision.topLeftCorner(twists, twists).isApprox(9.0 * wide.precision.topLeftCorner(twists, twists), 1e-12));

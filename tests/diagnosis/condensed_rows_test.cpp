@@ -36,7 +36,7 @@ Eigen::MatrixXd denseSums(const CaptureRows& rows, const std::vector<NoiseCompon
 
 TEST(CondensedRows, HoldAllThatTheRowsSay) {
   const MeasuredCell measured = test::smallCell(41, 20, 0.1, {}).measured();
-  const ModelState state{CellState(measured.start, measured.free), {}};
+  const ModelState state = test::nominalState(measured);
   const CaptureRows rows = captureRows(measured, state, {});
   // Corners by themselves, and one joint that moves at random: of a pose's eight rows one is what these share.
   std::vector<NoiseComponent> components;

@@ -16,9 +16,9 @@ using ::testing::SizeIs;
 
 constexpr double kSigma = 0.1;  // [px]
 
-ModelState nominalState(const MeasuredCell& measured) { return {CellState(measured.start, measured.free), {}}; }
-
-Linearised refitted(const MeasuredCell& measured) { return refit(measured, nominalState(measured), {}, {}, NoiseEstimate{}, {}, true); }
+Linearised refitted(const MeasuredCell& measured) {
+  return refit(measured, test::nominalState(measured), {}, {}, NoiseEstimate{}, {}, true);
+}
 
 TEST(Refit, ComesToRestWhereTheRowsAreServedBest) {
   const MeasuredCell measured = test::smallCell(21, 60, kSigma, {}).measured();

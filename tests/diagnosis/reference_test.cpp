@@ -103,7 +103,7 @@ TEST(Reference, ItsRowsAreThoseOfAFitWithItsPlaceFree) {
     for (CornerMeasurement& corner : observation.reference) corner.px += kSigma * Eigen::Vector2d(rng.normal(), rng.normal());
   }
   const MeasuredCell measured = small.measured();
-  const ModelState state{CellState(measured.start, measured.free), {}};
+  const ModelState state = test::nominalState(measured);
   const CaptureRows rows = captureRows(measured, state, {});
   const ReferenceSight sight(measured, state.cell.cell, {}, rows);
   ASSERT_EQ(sight.pictures(), 12u);

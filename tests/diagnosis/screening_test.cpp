@@ -24,7 +24,7 @@ Repeated repeated(int pictures) {
     std::vector<std::size_t>& group = measured.groups.emplace_back();
     for (std::size_t shot = 0; shot < shots && k < measured.observations.size(); ++shot) group.push_back(k++);
   }
-  const ModelState state{CellState(measured.start, measured.free), {}};
+  const ModelState state = test::nominalState(measured);
   made.linear = linearise(measured, state, {}, {}, {});
   setNoise(measured, NoiseEstimate{.theta = Eigen::VectorXd(), .b = {}, .covariance = {}}, made.linear);
   // Some of each kind: there are two thousand.

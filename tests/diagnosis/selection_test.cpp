@@ -16,8 +16,6 @@ using ::testing::SizeIs;
 constexpr int kPoses = 60;
 constexpr double kSigma = 0.1;  // [px]
 
-ModelState nominalState(const MeasuredCell& measured) { return {CellState(measured.start, measured.free), {}}; }
-
 std::vector<std::string> namesOf(const Selection& selection) {
   std::vector<std::string> names;
   for (const FoundEffect& found : selection.findings) names.push_back(found.name + "@" + found.place.name());
@@ -28,7 +26,7 @@ const std::vector<EffectSpec> kTwo{{"joint_gain", "joint:3", {{"gain", 4e-3}}}, 
 
 TEST(Selection, StopsAtAsManyFindingsAsItMayHave) {
   const MeasuredCell measured = test::smallCell(51, kPoses, kSigma, kTwo).measured();
-  const ModelState state = nominalState(measured);
+  const ModelState state = test::nominalState(measured);
   const std::vector<std::string> both = namesOf(selectEffects(measured, state, {}, {}));
   EXPECT_THAT(both, ::testing::UnorderedElementsAre("joint_gain@joint:3", "joint_backlash@joint:1"));
   EXPECT_THAT(namesOf(selectEffects(measured, state, {}, {.most = 1})), SizeIs(1));
@@ -41,7 +39,7 @@ TEST(Selection, WithoutCurvesEveryFindingHasAName) {
   test::observeWith(
       small, 2, [](const Eigen::VectorXd& q) { return 1.5e-3 * q(2) * std::exp(-2.0 * q(2)); }, kSigma);
   const MeasuredCell measured = small.measured();
-  const ModelState state = nominalState(measured);
+  const ModelState state = test::nominalState(measured);
   const Selection free = selectEffects(measured, state, {}, {});
   ASSERT_FALSE(free.findings.empty());
   EXPECT_TRUE(free.findings.front().isUnknown()) << free.findings.front().name;
@@ -52,7 +50,7 @@ TEST(Selection, WildRowsAreTakenOutAndListed) {
   test::SmallCell small = test::smallCell(53, kPoses, kSigma, {});
   for (CornerMeasurement& corner : small.observations[7].corners) corner.px += Eigen::Vector2d(9.0, -4.0);
   const MeasuredCell measured = small.measured();
-  const Selection selection = selectEffects(measured, nominalState(measured), {}, {});
+  const Selection selection = selectEffects(measured, test::nominalState(measured), {}, {});
   EXPECT_THAT(selection.bad, ::testing::ElementsAre(7u));
   EXPECT_THAT(selection.findings, IsEmpty());
   EXPECT_EQ(selection.measured.observations.size(), static_cast<std::size_t>(kPoses - 1));
@@ -66,7 +64,7 @@ TEST(FoundModel, DeviationsAreThoseOfTheEstimates) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     const MeasuredCell measured =
         test::smallCell(500 + static_cast<std::uint64_t>(seed), kPoses, kSigma, {{"joint_gain", "joint:3", {{"gain", kGain}}}}).measured();
-    const Selection selection = selectEffects(measured, nominalState(measured), {}, {.most = 1});
+    const Selection selection = selectEffects(measured, test::nominalState(measured), {}, {.most = 1});
     ASSERT_EQ(namesOf(selection), std::vector<std::string>{"joint_gain@joint:3"});
     const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
     ASSERT_THAT(deviations, SizeIs(1));

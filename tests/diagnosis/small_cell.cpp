@@ -83,6 +83,8 @@ SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vect
   return small;
 }
 
+ModelState nominalState(const MeasuredCell& measured) { return {CellState(measured.start, measured.free), {}}; }
+
 Measurements SmallCell::measurements() const {
   Measurements measured;
   measured.target = target;

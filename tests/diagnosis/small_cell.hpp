@@ -29,6 +29,9 @@ struct SmallCell {
   double rmsOf(const Model& model, std::size_t first) const;
 };
 
+/// Where a search begins: the nominal arm as it was registered.
+ModelState nominalState(const MeasuredCell& measured);
+
 /// Six turning joints with masses before a fixed camera; axes off by 0.5 mm and 2 mrad, `poses` poses, corners with `sigma` [px] and what
 /// the effects do.
 SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vector<EffectSpec>& effects);

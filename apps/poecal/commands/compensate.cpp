@@ -18,6 +18,7 @@
 #include "poecal/core/text.hpp"
 #include "poecal/identification/model.hpp"
 #include "poecal/robot/robot_file.hpp"
+#include "sources.hpp"
 #include "terminal.hpp"
 
 namespace poecal::app {
@@ -37,9 +38,7 @@ std::optional<Arm> nominalArm(const CompensateOptions& options, const Model& mod
   const std::string base_link = options.base_link.empty() ? model.base_link : options.base_link;
   const std::string tip_link = options.tip_link.empty() ? model.tip_link : options.tip_link;
   Arm nominal = readArm(options.robot, base_link, tip_link);
-  if (const std::string difference = differenceOfArms(*model.cell.arm, nominal); !difference.empty()) {
-    throw FileError(options.robot, 0, fmt::format("is not the arm of {}: {}", options.model.string(), difference));
-  }
+  requireArmOf(model, options.model, nominal, options.robot);
   return nominal;
 }
 

@@ -19,6 +19,7 @@
 #include "poecal/exporting/for_ros.hpp"
 #include "poecal/identification/model.hpp"
 #include "poecal/robot/robot_file.hpp"
+#include "sources.hpp"
 #include "terminal.hpp"
 
 namespace poecal::app {
@@ -87,10 +88,7 @@ void exportArm(ExportOptions& options, const Model& model, Writing& writing) {
   const Arm& calibrated = *model.cell.arm;
   if (!options.urdf.empty()) chooseLinks(options, model);
   const Arm nominal = options.urdf.empty() ? readRobotYaml(options.robot) : readUrdf(options.urdf, options.base_link, options.tip_link);
-  if (const std::string difference = differenceOfArms(calibrated, nominal); !difference.empty()) {
-    throw FileError(options.urdf.empty() ? options.robot : options.urdf, 0,
-                    fmt::format("is not the arm of {}: {}", options.model.string(), difference));
-  }
+  requireArmOf(model, options.model, nominal, options.urdf.empty() ? options.robot : options.urdf);
   if (!options.joint_table.empty()) {
     writing.add("joint_table", options.joint_table, jointTableCsv(model, nominal), fmt::format("{} joints", calibrated.jointCount()));
   }
