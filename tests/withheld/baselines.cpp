@@ -1,5 +1,6 @@
 #include "withheld/baselines.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -11,20 +12,21 @@ namespace {
 
 struct Candidate {
   std::string place, effect;
-  Eigen::MatrixXd basis;  ///< orthonormal, of what is left of its parameters
+  Eigen::MatrixXd columns;  ///< what is left of its parameters at usual size
+  Eigen::MatrixXd basis;    ///< orthonormal, of the same
 };
 
-/// Slips at nine times, harmonics of seven orders, all else once.
-std::vector<Candidate> candidatesOf(const Case& made, const Leftover& leftover) {
+/// Slips at so many times, harmonics of seven orders, all else once.
+std::vector<Candidate> candidatesOf(const Case& made, const Leftover& leftover, int times) {
   std::vector<Candidate> candidates;
-  for (int tenth = 1; tenth <= 9; ++tenth) {
+  for (int time = 1; time <= times; ++time) {
     Instances instances;
-    instances.slip_time = made.shots.front().stamp + 0.1 * tenth * (made.shots.back().stamp - made.shots.front().stamp);
+    instances.slip_time = made.shots.front().stamp + time / (times + 1.0) * (made.shots.back().stamp - made.shots.front().stamp);
     for (const Flaw& flaw : listedFlaws(made.actual, made.columns, instances)) {
-      if (tenth > 1 && !flaw.effect.ends_with("_slip")) continue;
+      if (time > 1 && !flaw.effect.ends_with("_slip")) continue;
       const Eigen::MatrixXd columns = leftover.columns(flaw);
       constexpr double kNothing = 1e-3;  // what is left at usual size, in sigma
-      if (columns.norm() > kNothing) candidates.push_back({flaw.place(), flaw.effect, spanOf(columns, kLeftTolerance)});
+      if (columns.norm() > kNothing) candidates.push_back({flaw.place(), flaw.effect, columns, spanOf(columns, kLeftTolerance)});
     }
   }
   return candidates;
@@ -79,6 +81,47 @@ std::vector<std::string> forwardByBic(std::vector<Candidate> candidates, Eigen::
   return found;
 }
 
+/// Log of the sum of exponentials.
+double logSum(const std::vector<double>& logs) {
+  const double most = *std::max_element(logs.begin(), logs.end());
+  double sum = 0.0;
+  for (const double value : logs) sum += std::exp(value - most);
+  return most + std::log(sum);
+}
+
+/// Log odds of a candidate against nothing: parameters are normal, s times their usual size, and s is any of these.
+double logEvidence(const Candidate& candidate, const Eigen::VectorXd& residual) {
+  const Eigen::MatrixXd gram = candidate.columns.transpose() * candidate.columns;
+  const Eigen::VectorXd right = candidate.columns.transpose() * residual;
+  std::vector<double> logs;
+  for (const double s : {0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) {
+    const Eigen::MatrixXd whole = s * s * gram + Eigen::MatrixXd::Identity(gram.rows(), gram.cols());
+    const Eigen::LLT<Eigen::MatrixXd> llt(whole);
+    const double log_det = 2.0 * Eigen::MatrixXd(llt.matrixL()).diagonal().array().log().sum();
+    logs.push_back(0.5 * s * s * right.dot(llt.solve(right)) - 0.5 * log_det);
+  }
+  return logSum(logs) - std::log(static_cast<double>(logs.size()));
+}
+
+/// The most probable of all that is listed: effects are alike in probability, and so are an effect's places, and instances at a place.
+std::vector<std::string> observer(const std::vector<Candidate>& candidates, const Eigen::VectorXd& residual) {
+  std::map<std::string, std::map<std::string, std::vector<double>>> by_effect;
+  for (const Candidate& candidate : candidates) by_effect[candidate.effect][candidate.place].push_back(logEvidence(candidate, residual));
+  double best = 1.0;  // odds of e, as poecal asks for
+  std::vector<std::string> found;
+  for (const auto& [effect, places] : by_effect) {
+    for (const auto& [place, logs] : places) {
+      const auto ways = static_cast<double>(by_effect.size() * places.size() * logs.size());
+      const double log_odds = logSum(logs) - std::log(ways);
+      if (log_odds > best) {
+        best = log_odds;
+        found = {place};
+      }
+    }
+  }
+  return found;
+}
+
 std::vector<std::string> bestElasticity(const std::vector<Candidate>& candidates, const Eigen::VectorXd& residual) {
   double most = 0.0;
   std::vector<std::string> found;
@@ -122,8 +165,10 @@ std::map<std::string, std::vector<std::string>> baselines(const Case& made) {
     seen.segment<8>(8 * static_cast<Eigen::Index>(i)) = made.sightings[i].pixels.reshaped();
   }
   const Eigen::VectorXd residual = leftover.withoutGeometry(seen - corners(made.actual, made.shots, {}));
-  const std::vector<Candidate> candidates = candidatesOf(made, leftover);
-  return {{"smallest p-value", smallestPValue(candidates, residual)},
+  constexpr int kFineTimes = 39;
+  const std::vector<Candidate> candidates = candidatesOf(made, leftover, 9), fine = candidatesOf(made, leftover, kFineTimes);
+  return {{"observer", observer(fine, residual)},
+          {"smallest p-value", smallestPValue(candidates, residual)},
           {"BIC", forwardByBic(candidates, residual)},
           {"always elasticity", bestElasticity(candidates, residual)}};
 }

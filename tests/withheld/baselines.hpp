@@ -1,5 +1,5 @@
-// What simple diagnoses would have said of a case, for comparison. They are given more than poecal is: the true geometry to linearise at,
-// the true noise, and the true masses.
+// What an observer who is told everything, and simple diagnoses, would have said of a case, for comparison. They are given more than poecal
+// is: the true geometry to linearise at, the true noise, and the true masses.
 #pragma once
 
 #include <map>
@@ -11,6 +11,9 @@
 namespace withheld {
 
 /// "effect@location" that each baseline finds:
+/// - "observer": the most probable listed effect by Bayes' rule, all sizes and instances of it summed; one at most. What it cannot tell
+/// apart
+///   nobody can
 /// - "smallest p-value": the listed effect whose score test has the smallest p-value, where that is below 1 % by Bonferroni; one at most
 /// - "BIC": forward selection by the Bayesian information criterion, four at most
 /// - "always elasticity": the joint_compliance that explains most, whatever there is

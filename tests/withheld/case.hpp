@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "withheld/family.hpp"
 #include "withheld/leftover.hpp"
 #include "withheld/pictures.hpp"
 
@@ -28,6 +29,7 @@ struct Sighting {
 struct Hidden {
   Flaw flaw;
   double S = 0.0;                    ///< see Leftover
+  bool listed = true;                ///< in the contract's table
   std::vector<std::string> aliases;  ///< "effect@location" of listed ones that explain it without a rest, besides geometry
   std::vector<std::string> close;    ///< those, no aliases, that leave less of it than kTellable
   std::string nearest;               ///< the listed one, not an alias, that explains most of it
@@ -37,7 +39,8 @@ struct Hidden {
 struct Case {
   std::string set;
   std::uint64_t seed = 0, number = 0;
-  std::string recording;  ///< real one that the effect was brought into; see injected.hpp
+  Family family = Family::first;  ///< of unlisted structure
+  std::string recording;          ///< real one that the effect was brought into; see injected.hpp
 
   // Given.
   Cell told;  ///< nominal arm (as drawn, before the errors), lens as stated
@@ -74,9 +77,9 @@ struct Case {
 /// The sets that there are.
 const std::vector<std::string>& setNames();
 
-/// Case `number` of a set; always the same for a seed.
+/// Case `number` of a set; always the same for a seed and family.
 /// @throws std::invalid_argument: no such set.
-Case makeCase(const std::string& set, std::uint64_t seed, std::uint64_t number);
+Case makeCase(const std::string& set, std::uint64_t seed, std::uint64_t number, Family family = Family::first);
 
 /// Writes FOLDER/NNNN/capture, FOLDER/NNNN/unseen and FOLDER/NNNN.truth.json.
 void writeCase(const Case& made, const std::string& folder);

@@ -22,12 +22,12 @@ void writeText(const fs::path& file, const std::string& text) {
 
 std::string numbers(const Vector& v) { return fmt::format("[{:.12g}, {:.12g}, {:.12g}]", v.x(), v.y(), v.z()); }
 
-std::string manifest(const std::string& name, bool detections) {
+std::string manifest(const std::string& name, bool in_hand, bool detections) {
   return fmt::format(
-      "format: poecal-capture/1\nname: {}\nsetup: eye_to_hand\nrobot: robot.yaml\ncamera: camera.yaml\ntarget: target.yaml\nsamples: "
+      "format: poecal-capture/1\nname: {}\nsetup: {}\nrobot: robot.yaml\ncamera: camera.yaml\ntarget: target.yaml\nsamples: "
       "samples.csv\n"
       "{}",
-      name, detections ? "detections: detections.csv\n" : "");
+      name, in_hand ? "eye_in_hand" : "eye_to_hand", detections ? "detections: detections.csv\n" : "");
 }
 
 std::string robotYaml(const Case& made) {
@@ -140,7 +140,7 @@ std::string unseenCsv(const Case& made) {
 /// @param detections  no line in the manifest where there are none
 void writeFolder(const fs::path& folder, const Case& made, const std::vector<Shot>& shots, const std::optional<std::string>& detections) {
   fs::create_directories(folder);
-  writeText(folder / "capture.yaml", manifest(fmt::format("withheld-{:04}", made.number), detections.has_value()));
+  writeText(folder / "capture.yaml", manifest(fmt::format("withheld-{:04}", made.number), made.told.in_hand, detections.has_value()));
   writeText(folder / "robot.yaml", robotYaml(made));
   writeText(folder / "camera.yaml", cameraYaml(made));
   writeText(folder / "target.yaml", targetYaml(made.told.tags));
@@ -161,11 +161,13 @@ nlohmann::ordered_json truth(const Case& made) {
   json["set"] = made.set;
   json["seed"] = made.seed;
   json["number"] = made.number;
+  json["family"] = made.family == Family::first ? "first" : "second";
   if (!made.recording.empty()) json["recording"] = made.recording;
   json["effects"] = nlohmann::ordered_json::array();
   for (const Hidden& hidden : made.hidden) {
     nlohmann::ordered_json effect = {{"effect", hidden.flaw.effect}, {"location", hidden.flaw.location}, {"driver", hidden.flaw.driver}};
     for (const Parameter& parameter : hidden.flaw.parameters) effect["parameters"][parameter.name] = parameter.value;
+    effect["listed"] = hidden.listed;
     effect["S"] = hidden.S;
     effect["aliases"] = hidden.aliases;
     effect["close"] = hidden.close;
@@ -176,6 +178,7 @@ nlohmann::ordered_json truth(const Case& made) {
   if (made.unfindable) json["unfindable"] = made.unfindable->place();
   json["silent"] = made.silent;
   json["arm"] = made.told.arm.name;
+  json["in_hand"] = made.told.in_hand;
   json["shots"] = made.shots.size();
   json["targets"] = made.told.tags.size();
   json["masses"] = made.told_masses.has_value();

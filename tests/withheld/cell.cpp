@@ -93,7 +93,8 @@ State flawless(const Cell& cell, const Shot& shot) {
 
 Frame targetInCamera(const Cell& cell, const State& state) {
   const Frame T_base_flange = walk(cell, state, [](std::size_t, const Frame&) {});
-  return state.camera * cell.T_camera_base * T_base_flange * cell.T_flange_target * state.grip;
+  const Frame T_mount_mount = cell.in_hand ? T_base_flange.Inverse() : T_base_flange;
+  return state.camera * cell.T_camera_mount * T_mount_mount * cell.T_mount_target * state.grip;
 }
 
 Loads gravityLoads(const Cell& cell, const State& state, double payload) {

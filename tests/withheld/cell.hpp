@@ -21,7 +21,8 @@ struct Tag {
 
 struct Cell {
   Arm arm;
-  Frame T_camera_base, T_flange_target;
+  bool in_hand = false;                  ///< the camera is on the flange and the target stands; else the target is on the flange
+  Frame T_camera_mount, T_mount_target;  ///< from what holds each of them: base and flange, in hand flange and base
   Lens lens;
   std::vector<Tag> tags;
   double gravity = 9.80665;  ///< along -z of base [m/s^2]

@@ -5,7 +5,6 @@
 #include <iterator>
 
 #include "withheld/listed_flaws.hpp"
-#include "withheld/strange_flaws.hpp"
 
 namespace withheld {
 namespace {
@@ -103,7 +102,7 @@ std::optional<Hidden> chooseListed(const Case& made, const Leftover& leftover, c
       for (Parameter& parameter : flaw.parameters) parameter.value = std::abs(parameter.value);
     }
     if (!scaleTo(S, leftover, flaw)) continue;
-    return Hidden{flaw, leftover.size(flaw), {}, {}, "", 0.0};
+    return Hidden{flaw, leftover.size(flaw), true, {}, {}, "", 0.0};
   }
   return std::nullopt;
 }
@@ -123,7 +122,7 @@ void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidde
   compare(hidden, others, leftover);
 }
 
-std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, Chance& chance) {
+std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, const std::function<Flaw()>& draw) {
   std::vector<Flaw> all;
   for (const double share : {0.15, 0.3, 0.5, 0.7, 0.85}) {
     Instances instances;
@@ -133,9 +132,9 @@ std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, 
     all.insert(all.end(), flaws.begin(), flaws.end());
   }
   for (int attempt = 0; attempt < kTries; ++attempt) {
-    Flaw flaw = strangeFlaw(made.actual, made.shots, chance);
+    Flaw flaw = draw();
     if (!scaleTo(S, leftover, flaw)) continue;
-    Hidden hidden{flaw, leftover.size(flaw), {}, {}, "", 0.0};
+    Hidden hidden{flaw, leftover.size(flaw), false, {}, {}, "", 0.0};
     compare(hidden, all, leftover);
     if (hidden.aliases.empty() && hidden.left_by_nearest > std::max(kStrangeLeast, kStrangeShare * hidden.S)) return hidden;
   }

@@ -1,6 +1,7 @@
 // Choosing the effects of a case so that they leave as much as is wanted.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "withheld/case.hpp"
@@ -30,6 +31,7 @@ constexpr double kTellable = 3.3;
 void compareWithListed(const Case& made, const Leftover& leftover, Hidden& hidden);
 
 /// One that the table does not have and that no listed one explains.
-std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, Chance& chance);
+/// @param draw  a flaw of usual size
+std::optional<Hidden> chooseStrange(const Case& made, const Leftover& leftover, double S, const std::function<Flaw()>& draw);
 
 }  // namespace withheld

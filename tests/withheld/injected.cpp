@@ -128,7 +128,7 @@ void injectIntoPictures(const fs::path& from, bool nothing, const fs::path& to, 
   Warp warp;
   if (!nothing) {
     const Flaw flaw = choosePictureFlaw(chance);
-    made.hidden = {{flaw, 0.0, {}, {}, "", 0.0}};
+    made.hidden = {{flaw, 0.0, true, {}, {}, "", 0.0}};
     if (flaw.effect == "target_scale") sayTarget(capture / "target.yaml", flaw[0]);
     if (flaw.effect == "principal_point") warp.shift = {flaw[0], flaw[1]};
     if (flaw.effect == "focal_length") {

@@ -52,10 +52,10 @@ Eigen::MatrixXd geometryColumns(const Cell& cell, const std::vector<Shot>& shots
         moveAxis(c.arm, static_cast<std::size_t>(k), smallMotion(number, step));
       });
     }
-    columns.col(6 * n + number) = difference(cell, shots, observe, kStep,
-                                             [&](Cell& c, double step) { c.T_camera_base = smallMotion(number, step) * c.T_camera_base; });
+    columns.col(6 * n + number) = difference(
+        cell, shots, observe, kStep, [&](Cell& c, double step) { c.T_camera_mount = smallMotion(number, step) * c.T_camera_mount; });
     columns.col(6 * n + 6 + number) = difference(
-        cell, shots, observe, kStep, [&](Cell& c, double step) { c.T_flange_target = c.T_flange_target * smallMotion(number, step); });
+        cell, shots, observe, kStep, [&](Cell& c, double step) { c.T_mount_target = c.T_mount_target * smallMotion(number, step); });
   }
   if (lens_too) columns.rightCols(kLensColumns) = lensColumns(cell, shots, observe, rows);
   return columns;

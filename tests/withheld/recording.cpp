@@ -100,7 +100,7 @@ Rotation nearestRotation(const Eigen::Matrix3d& matrix) {
 /// product, J. Mechanisms Robotics 5 (2013).
 void placeInstrument(Recording& recording) {
   Cell plain = recording.cell;
-  plain.T_camera_base = plain.T_flange_target = Frame::Identity();
+  plain.T_camera_mount = plain.T_mount_target = Frame::Identity();
   std::vector<Frame> flanges;
   Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
   for (std::size_t i = 0; i < recording.shots.size(); ++i) {
@@ -121,8 +121,8 @@ void placeInstrument(Recording& recording) {
     b.segment<3>(row) = vectorOf(recording.poses[i].p - R_Z * flanges[i].p);
   }
   const Eigen::VectorXd t = A.completeOrthogonalDecomposition().solve(b);
-  recording.cell.T_flange_target = Frame(R_X, Vector(t[0], t[1], t[2]));
-  recording.cell.T_camera_base = Frame(R_Z, Vector(t[3], t[4], t[5]));
+  recording.cell.T_mount_target = Frame(R_X, Vector(t[0], t[1], t[2]));
+  recording.cell.T_camera_mount = Frame(R_Z, Vector(t[3], t[4], t[5]));
 }
 
 double medianOf(std::vector<double> values) {
@@ -149,8 +149,8 @@ Frame motionOf(const Eigen::VectorXd& numbers, Eigen::Index first) {
 void moveBy(Cell& cell, const Eigen::VectorXd& numbers) {
   const auto n = static_cast<Eigen::Index>(cell.arm.size());
   for (Eigen::Index k = 0; k < n; ++k) moveAxis(cell.arm, static_cast<std::size_t>(k), motionOf(numbers, 6 * k));
-  cell.T_camera_base = motionOf(numbers, 6 * n) * cell.T_camera_base;
-  cell.T_flange_target = cell.T_flange_target * motionOf(numbers, 6 * n + 6);
+  cell.T_camera_mount = motionOf(numbers, 6 * n) * cell.T_camera_mount;
+  cell.T_mount_target = cell.T_mount_target * motionOf(numbers, 6 * n + 6);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ Recording recordingOf(const std::string& family, std::uint64_t seed) {
   drawSetting(made, wishes, chance);
   Recording recording;
   recording.cell = made.told;
-  recording.cell.T_camera_base = recording.cell.T_flange_target = Frame::Identity();  // nobody told where instrument and tool are
+  recording.cell.T_camera_mount = recording.cell.T_mount_target = Frame::Identity();  // nobody told where instrument and tool are
   recording.shots = made.shots;
   for (const Shot& shot : made.shots) {
     const Frame noise = motion(normalVector(chance, kNoise.rotation), normalVector(chance, kNoise.position));

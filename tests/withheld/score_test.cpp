@@ -19,7 +19,7 @@ Finding finding(const std::string& effect, const std::string& location, const st
 Truth yieldingElbow() {
   Truth truth;
   truth.set = "single";
-  truth.effects = {{"joint_compliance", "joint:3", "tau3", 15.0, 0.0, 0.0, {"link_bending@link:2"}, {}, {}}};
+  truth.effects = {{"joint_compliance", "joint:3", "tau3", true, 15.0, 0.0, 0.0, {"link_bending@link:2"}, {}, {}}};
   return truth;
 }
 

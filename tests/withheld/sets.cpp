@@ -4,58 +4,17 @@
 #include <map>
 #include <stdexcept>
 
-#include "withheld/case.hpp"
-#include "withheld/choice.hpp"
+#include "withheld/drawing.hpp"
+#include "withheld/harder_sets.hpp"
 #include "withheld/listed_flaws.hpp"
 #include "withheld/observing.hpp"
 #include "withheld/oracle.hpp"
-#include "withheld/setting.hpp"
+#include "withheld/strange_flaws.hpp"
 
 namespace withheld {
 namespace {
 
-constexpr double kLeastS = 5.0, kMostS = 40.0;  // of single effects
-constexpr double kClearS = 12.0;
 constexpr double kFoundCorner = 0.01;  // what finding corners in pictures is taken to leave, for their S [px]
-constexpr int kSettings = 40;          // tried before other effects are drawn
-constexpr int kDraws = 50;             // of effects before a case is given up
-
-/// Draws cells until `choose` finds its effects in one. @return whether it did
-template <typename Choose>
-bool drawWith(Case& made, const Wishes& wishes, Chance& chance, const Choose& choose) {
-  for (int attempt = 0; attempt < kSettings; ++attempt) {
-    Case fresh;
-    fresh.set = made.set;
-    fresh.seed = made.seed;
-    fresh.number = made.number;
-    drawSetting(fresh, wishes, chance);
-    if (choose(fresh)) {
-      made = std::move(fresh);
-      return true;
-    }
-  }
-  return false;
-}
-
-/// Calls `draw` until it returns true.
-template <typename Draw>
-void drawUntil(const Case& made, const Draw& draw) {
-  for (int attempt = 0; attempt < kDraws; ++attempt) {
-    if (draw()) return;
-  }
-  throw std::runtime_error("no cell found for case " + std::to_string(made.number) + " of set " + made.set);
-}
-
-Wishes wishesFor(const std::vector<std::string>& effects, Wishes wishes = {}) {
-  for (const std::string& effect : effects) {
-    const KindNeeds needs = needsOf(effect);
-    wishes.stamp = wishes.stamp || needs.stamp;
-    wishes.dir = wishes.dir || needs.dir;
-    wishes.dq = wishes.dq || needs.dq;
-    wishes.several_tags = wishes.several_tags || needs.several_tags;
-  }
-  return wishes;
-}
 
 /// Noise common to a tag, joints that do not repeat, and intrinsics that are off within the deviation that is stated.
 void makeUntidy(Case& made, Chance& chance) {
@@ -88,23 +47,6 @@ void untidy(Case& made, Chance& chance) {
   observe(made, {chance.between(0.01, 0.05), 0.0}, chance);
 }
 
-/// A cell with one listed effect. @param prepare  is called with each cell before the effect is chosen.
-template <typename Prepare>
-void drawListed(Case& made, const Wishes& wishes, const std::vector<std::string>& names, double S, Chance& chance, const Prepare& prepare) {
-  drawUntil(made, [&] {
-    const std::string effect = chance.oneOf(names);
-    return drawWith(made, wishesFor({effect}, wishes), chance, [&](Case& c) {
-      prepare(c);
-      const Leftover leftover(c.actual, c.shots, c.noise, c.lens_deviation.has_value());
-      std::optional<Hidden> hidden = chooseListed(c, leftover, effect, S, chance);
-      if (!hidden) return false;
-      compareWithListed(c, leftover, *hidden);
-      c.hidden = {*hidden};
-      return true;
-    });
-  });
-}
-
 void single(Case& made, Chance& chance) {
   drawListed(made, {}, listedNames(), chance.scale(kLeastS, kMostS), chance, [](Case&) {});
   observe(made, {}, chance);
@@ -128,7 +70,7 @@ void outside(Case& made, Chance& chance) {
   drawUntil(made, [&] {
     return drawWith(made, wishes, chance, [&](Case& c) {
       const Leftover leftover(c.actual, c.shots, c.noise, false);
-      const std::optional<Hidden> hidden = chooseStrange(c, leftover, S, chance);
+      const std::optional<Hidden> hidden = chooseStrange(c, leftover, S, [&] { return strangeFlaw(c.actual, c.shots, c.family, chance); });
       if (hidden) c.hidden = {*hidden};
       return hidden.has_value();
     });
@@ -157,15 +99,6 @@ void untidySingle(Case& made, Chance& chance) {
   observe(made, {chance.between(0.01, 0.05), 0.03}, chance);
 }
 
-/// Whether each of two effects is seen when the other one may explain what it can.
-bool separable(const Leftover& leftover, const Hidden& a, const Hidden& b) {
-  constexpr double kLeast = 6.0;
-  const auto besides = [&](const Hidden& one, const Hidden& other) {
-    return Leftover::besides(leftover.left({one.flaw}), leftover.columns(other.flaw)).norm();
-  };
-  return besides(a, b) > kLeast && besides(b, a) > kLeast;
-}
-
 void pairs(Case& made, Chance& chance) {
   drawUntil(made, [&] {
     const std::string first = chance.oneOf(listedNames()), second = chance.oneOf(listedNames());
@@ -175,7 +108,7 @@ void pairs(Case& made, Chance& chance) {
       const Leftover leftover(c.actual, c.shots, c.noise, false);
       std::optional<Hidden> a = chooseListed(c, leftover, first, S_first, chance);
       std::optional<Hidden> b = a ? chooseListed(c, leftover, second, S_second, chance) : std::nullopt;
-      if (!a || !b || a->flaw.location == b->flaw.location || !separable(leftover, *a, *b)) return false;
+      if (!a || !b || a->flaw.location == b->flaw.location || !separable(leftover, {*a, *b})) return false;
       compareWithListed(c, leftover, *a);
       compareWithListed(c, leftover, *b);
       c.hidden = {*a, *b};
@@ -192,7 +125,7 @@ void scatter(Case& made, Chance& chance) {
       const Leftover leftover(c.actual, c.shots, c.noise, false);
       Flaw flaw = jointScatter(c.actual, chance.index(c.actual.arm.size()), chance.index(1U << 30U));
       if (!scaleTo(S, leftover, flaw)) return false;
-      c.hidden = {{flaw, leftover.size(flaw), {}, {}, "", 0.0}};
+      c.hidden = {{flaw, leftover.size(flaw), true, {}, {}, "", 0.0}};
       return true;
     });
   });
@@ -204,7 +137,7 @@ void scale(Case& made, Chance& chance) {
     return drawWith(made, {}, chance, [&](Case& c) {
       const Leftover leftover(c.actual, c.shots, c.noise, false);
       const Flaw flaw = targetScale(chance.sign() * chance.scale(0.01, 0.05));
-      c.hidden = {{flaw, leftover.size(flaw), {}, {}, "", 0.0}};
+      c.hidden = {{flaw, leftover.size(flaw), true, {}, {}, "", 0.0}};
       return true;
     });
   });
@@ -245,12 +178,21 @@ void unobservable(Case& made, Chance& chance) {
   observe(made, {}, chance);
 }
 
-using MakeSet = void (*)(Case&, Chance&);
 const std::map<std::string, MakeSet>& sets() {
-  static const std::map<std::string, MakeSet> all = {
-      {"single", single},   {"rendered", rendered},          {"clean", clean}, {"untidy", untidy},
-      {"outside", outside}, {"untidy-single", untidySingle}, {"pairs", pairs}, {"scatter", scatter},
-      {"scale", scale},     {"unobservable", unobservable}};
+  static const std::map<std::string, MakeSet> all = [] {
+    std::map<std::string, MakeSet> named = harderSets();
+    named.insert({{"single", single},
+                  {"rendered", rendered},
+                  {"clean", clean},
+                  {"untidy", untidy},
+                  {"outside", outside},
+                  {"untidy-single", untidySingle},
+                  {"pairs", pairs},
+                  {"scatter", scatter},
+                  {"scale", scale},
+                  {"unobservable", unobservable}});
+    return named;
+  }();
   return all;
 }
 
@@ -265,7 +207,7 @@ const std::vector<std::string>& setNames() {
   return names;
 }
 
-Case makeCase(const std::string& set, std::uint64_t seed, std::uint64_t number) {
+Case makeCase(const std::string& set, std::uint64_t seed, std::uint64_t number, Family family) {
   const auto found = sets().find(set);
   if (found == sets().end()) {
     std::string names;
@@ -276,6 +218,7 @@ Case makeCase(const std::string& set, std::uint64_t seed, std::uint64_t number) 
   made.set = set;
   made.seed = seed;
   made.number = number;
+  made.family = family;
   std::uint64_t mixed = seed * 1000003 + number * 7919;
   for (const char letter : set) mixed = mixed * 131 + static_cast<unsigned char>(letter);
   Chance chance(mixed);

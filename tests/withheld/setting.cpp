@@ -52,6 +52,13 @@ Frame drawGrip(Chance& chance) {
           Vector(chance.normal(0.03), chance.normal(0.03), chance.between(0.03, 0.12))};
 }
 
+/// On the flange's side, looking ahead and a little aside.
+Frame drawBracket(Chance& chance) {
+  const Rotation turned = Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)) * Rotation::RotX(chance.between(-0.5, 0.5));
+  return {turned * Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)),
+          Vector(chance.normal(0.05), chance.normal(0.05), chance.between(0.02, 0.1))};
+}
+
 }  // namespace
 
 void drawSetting(Case& made, const Wishes& wishes, Chance& chance) {
@@ -62,8 +69,14 @@ void drawSetting(Case& made, const Wishes& wishes, Chance& chance) {
     made.told.lens = halved(made.told.lens);
     made.told.tags = {kTagOfPictures};
   }
-  made.told.T_flange_target = drawGrip(chance);
-  placeCamera(made.told, chance);
+  made.told.in_hand = wishes.in_hand;
+  if (wishes.in_hand) {
+    made.told.T_camera_mount = drawBracket(chance).Inverse();
+    placeTarget(made.told, chance);
+  } else {
+    made.told.T_mount_target = drawGrip(chance);
+    placeCamera(made.told, chance);
+  }
   made.actual = made.told;
   made.actual.arm = withErrors(made.told.arm, {}, chance);
   if (wishes.masses || chance.happens(kMassesTold)) made.told_masses = made.told.arm.bodies;
@@ -76,9 +89,12 @@ void drawSetting(Case& made, const Wishes& wishes, Chance& chance) {
   columns.payload = chance.happens(kPayloads);
   columns.still_dq = !columns.dq && chance.happens(0.2);
   columns.pose = !columns.dq && chance.happens(kRepeats);
-  const auto images = static_cast<std::size_t>(std::lround(chance.scale(40.0, wishes.pictures ? kMostPictures : kMostShots)));
+  if (wishes.bare) columns = {};
+  const double drawn = chance.scale(40.0, wishes.pictures ? kMostPictures : kMostShots);
+  const std::size_t images = wishes.shots > 0 ? wishes.shots : static_cast<std::size_t>(std::lround(drawn));
   const std::size_t times = columns.pose ? 2 + chance.index(2) : 1;
   made.shots = drawShots(made.actual, std::max<std::size_t>(30, images / times), times, columns.dq, columns.payload, chance);
+  if (wishes.bare) comeStraight(made.shots);
   made.noise = {chance.scale(0.05, 0.2), 0.0, 0.0};
 }
 

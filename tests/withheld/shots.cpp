@@ -35,7 +35,7 @@ Frame lookAt(const Vector& eye, const Vector& point, double roll) {
 
 Frame targetInBase(const Cell& cell, const Eigen::VectorXd& q) {
   Cell at_base = cell;
-  at_base.T_camera_base = Frame::Identity();
+  at_base.T_camera_mount = Frame::Identity();
   Shot shot;
   shot.q = q;
   return targetInCamera(at_base, flawless(at_base, shot));
@@ -93,13 +93,41 @@ void placeCamera(Cell& cell, Chance& chance) {
     outward.Normalize();
     const Vector point = chance.between(0.4, 1.0) * (T_base_target.p - middle) + middle;
     const Vector eye = point + chance.between(1.0, 1.7) * outward;
-    cell.T_camera_base = lookAt(eye, point, chance.between(-KDL::PI, KDL::PI)).Inverse();
+    cell.T_camera_mount = lookAt(eye, point, chance.between(-KDL::PI, KDL::PI)).Inverse();
     int shown = 0;
     const int tries = 400;
     for (int i = 0; i < tries; ++i) shown += shows(cell, randomJoints(cell.arm, chance)) ? 1 : 0;
     if (shown >= kSmallestShare * tries) return;
   }
   throw std::runtime_error("no place for the camera from which enough poses show the target");
+}
+
+void placeTarget(Cell& cell, Chance& chance) {
+  constexpr double kEnough = 0.004;  // of random poses: a camera that looks anywhere sees little of one place
+  for (int place = 0; place < 4000; ++place) {
+    Shot shot;
+    shot.q = randomJoints(cell.arm, chance);
+    cell.T_mount_target = Frame::Identity();
+    const Frame T_base_camera = targetInCamera(cell, flawless(cell, shot)).Inverse();
+    const Frame before(Rotation::RotX(chance.between(-0.6, 0.6)) * Rotation::RotY(chance.between(-0.6, 0.6)) *
+                           Rotation::RotZ(chance.between(-KDL::PI, KDL::PI)),
+                       Vector(0.0, 0.0, chance.between(0.6, 1.2)));
+    cell.T_mount_target = T_base_camera * before;
+    int shown = 0;
+    const int tries = 1500;
+    for (int i = 0; i < tries; ++i) shown += shows(cell, randomJoints(cell.arm, chance)) ? 1 : 0;
+    if (shown >= kEnough * tries) return;
+  }
+  throw std::runtime_error("no place for the target that enough poses show");
+}
+
+void comeStraight(std::vector<Shot>& shots) {
+  for (std::size_t i = 1; i < shots.size(); ++i) {
+    for (Eigen::Index k = 0; k < shots[i].q.size(); ++k) {
+      const double way = shots[i].q[k] - shots[i - 1].q[k];
+      shots[i].dir[k] = way > 0.0 ? 1.0 : way < 0.0 ? -1.0 : shots[i - 1].dir[k];
+    }
+  }
 }
 
 std::vector<Shot> drawShots(const Cell& cell, std::size_t count, std::size_t times, bool moving, bool payloads, Chance& chance) {

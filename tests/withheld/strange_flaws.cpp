@@ -4,22 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "withheld/strange_shapes.hpp"
+
 namespace withheld {
 namespace {
-
-using Act = std::function<void(const Flaw&, const Shot&, const Loads&, State&)>;
-
-/// An error of one joint of the size value[0] and of any shape in [-1, 1].
-Flaw jointFlaw(const std::string& effect, std::size_t k, const std::string& driver, std::function<double(const Shot&, const Loads&)> shape,
-               bool yields) {
-  const auto K = static_cast<Eigen::Index>(k);
-  return {effect,
-          fmt::format("joint:{}", k + 1),
-          driver,
-          {{"size", 5e-4, 5e-4, 2e-2}},
-          [K, shape](const Flaw& f, const Shot& s, const Loads& loads, State& c) { c.q[K] += f[0] * shape(s, loads); },
-          yields};
-}
 
 /// Odd in the joint's own angle: a dent, a saw, a stop that it leans on, a tooth that it skips.
 Flaw oddAngle(const Cell& cell, Chance& chance) {
@@ -49,23 +37,6 @@ Flaw oddAngle(const Cell& cell, Chance& chance) {
   }
 }
 
-/// Joints whose torque changes enough over the shots to drive anything.
-std::vector<std::size_t> loadedJoints(const Cell& cell, const std::vector<Shot>& shots) {
-  constexpr double kLeast = 1.0;  // standard deviation [N m]
-  std::vector<std::size_t> loaded;
-  for (std::size_t k = 0; k < cell.arm.size(); ++k) {
-    double sum = 0.0, squares = 0.0;
-    for (const Shot& shot : shots) {
-      const double torque = gravityLoads(cell, flawless(cell, shot), shot.payload).torque[static_cast<Eigen::Index>(k)];
-      sum += torque;
-      squares += torque * torque;
-    }
-    const auto count = static_cast<double>(shots.size());
-    if (squares / count - std::pow(sum / count, 2) > kLeast * kLeast) loaded.push_back(k);
-  }
-  return loaded;
-}
-
 Flaw oddTorque(const std::vector<std::size_t>& loaded, Chance& chance) {
   const std::size_t k = chance.oneOf(loaded);
   const auto K = static_cast<Eigen::Index>(k);
@@ -89,13 +60,9 @@ Flaw wavyJoint(const Cell& cell, const std::vector<Shot>& shots, Chance& chance)
 }
 
 Flaw sway(const std::vector<Shot>& shots, Chance& chance) {
-  const Vector turn = 3e-4 * randomDirection(chance), shift = 3e-4 * randomDirection(chance);
   const double cycles = chance.between(1.6, 3.5), phase = chance.between(0.0, 6.28);
-  const double first = shots.front().stamp, span = shots.back().stamp - first;
-  return {"camera sway", "camera.mount", "stamp", {{"size", 1.0, 1.0, 30.0}}, [=](const Flaw& f, const Shot& s, const Loads&, State& c) {
-            const double wave = f[0] * std::sin(6.283 * cycles * (s.stamp - first) / span + phase);
-            c.camera = motion(wave * turn, wave * shift) * c.camera;
-          }};
+  return mountFlaw(
+      "camera sway", true, shots, [=](double share) { return std::sin(6.283 * cycles * share + phase); }, chance);
 }
 
 Flaw creep(const std::vector<Shot>& shots, Chance& chance) {
@@ -126,7 +93,8 @@ Flaw dentedLens(const Cell& cell, Chance& chance) {
 
 }  // namespace
 
-Flaw strangeFlaw(const Cell& cell, const std::vector<Shot>& shots, Chance& chance) {
+Flaw strangeFlaw(const Cell& cell, const std::vector<Shot>& shots, Family family, Chance& chance) {
+  if (family == Family::second) return secondStrangeFlaw(cell, shots, chance);
   switch (chance.index(8)) {
     case 0:
     case 1:

@@ -65,6 +65,7 @@ Truth readTruth(const std::filesystem::path& file) {
     one.effect = effect.at("effect").get<std::string>();
     one.location = effect.at("location").get<std::string>();
     one.driver = effect.at("driver").get<std::string>();
+    one.listed = effect.value("listed", true);
     one.S = effect.at("S").get<double>();
     one.left_by_nearest = effect.at("left_by_nearest").get<double>();
     one.aliases = effect.at("aliases").get<std::vector<std::string>>();

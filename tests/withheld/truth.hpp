@@ -14,6 +14,7 @@ std::string placeName(const std::string& effect, const std::string& location);
 
 struct TrueEffect {
   std::string effect, location, driver;
+  bool listed = true;  ///< in the contract's table
   double S = 0.0;
   double left_by_nearest = 0.0;      ///< S that the nearest other listed effect, no alias, leaves of it
   double size = 0.0;                 ///< of target_scale

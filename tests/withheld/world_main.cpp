@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   std::string set = "single", folder, real;
   std::uint64_t seed = 1, cases = 10;
   unsigned jobs = 1;
-  bool compare = false;
+  bool compare = false, second_family = false;
   CLI::App app("Makes cases of the withheld world: DIR/NNNN/capture for poecal, DIR/NNNN/unseen and DIR/NNNN.truth.json for the scorer");
   std::vector<std::string> sets = withheld::setNames();
   sets.emplace_back(withheld::kInjectedSet);
@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   app.add_option("--out", folder, "Where to")->required();
   app.add_option("--real", real, "Folder of the real recordings, for the set injected");
   app.add_flag("--baselines", compare, "Notes beside the truth what simple diagnoses would have said");
+  app.add_flag("--second-family", second_family, "Draws unlisted structure from the second family of generators");
   app.add_option("--jobs", jobs, "Threads")->check(CLI::Range(1, 64));
   CLI11_PARSE(app, argc, argv);
 
@@ -39,7 +40,7 @@ int main(int argc, char** argv) {
           withheld::writeInjectedCase(real, seed, number, folder);
           continue;
         }
-        withheld::Case made = withheld::makeCase(set, seed, number);
+        withheld::Case made = withheld::makeCase(set, seed, number, second_family ? withheld::Family::second : withheld::Family::first);
         if (compare) made.baselines = withheld::baselines(made);
         withheld::writeCase(made, folder);
       }

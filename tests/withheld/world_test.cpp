@@ -153,7 +153,7 @@ TEST(Aliases, AShoulderThatYieldsIsAColumnThatBends) {
   Flaw flaw = listed(made, "joint_compliance@joint:2");
   flaw.parameters[0].value = 1e-5;
   ASSERT_TRUE(scaleTo(15.0, leftover, flaw));
-  Hidden hidden{flaw, leftover.size(flaw), {}, {}, "", 0.0};
+  Hidden hidden{flaw, leftover.size(flaw), true, {}, {}, "", 0.0};
   compareWithListed(made, leftover, hidden);
   EXPECT_THAT(hidden.aliases, ElementsAre("link_bending@link:1"));
 }
