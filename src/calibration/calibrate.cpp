@@ -19,7 +19,8 @@ void keepModel(const Identification& identification, Calibration& calibration) {
   constexpr double kClearly = 0.95;
   const Diagnosis& diagnosis = *calibration.diagnosis;
   if (diagnosis.findings.empty()) {
-    calibration.model_reason = "nothing was found that it leaves out";
+    calibration.model_reason =
+        diagnosis.isClean() ? "nothing was found that it leaves out" : "no cause was found that helps on held-out poses";
     return;
   }
   const ErrorSummary& held_out = identification.stages.back().held_out_kept;

@@ -112,7 +112,8 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
   for (const YamlNode& bad : root["bad_samples"].items()) {
     if (const auto image = bad.find("image")) summary.bad_images.push_back(image->text());
   }
-  if (root["remaining"]["significant"].text() == "true") summary.warnings.push_back("structure remains that no finding explains");
+  summary.structure_left = root["remaining"]["significant"].text() == "true";
+  if (summary.structure_left) summary.warnings.push_back("structure remains that no finding explains");
 }
 
 }  // namespace

@@ -156,7 +156,7 @@ class Curves {
  public:
   Curves(const MeasuredCell& measured, const std::vector<SampleContext>& contexts) : measured_(measured), contexts_(contexts) {
     common_.push_back(driver("stamp", kStampWaves));
-    // Sway, which comes and goes many times.
+    // What comes and goes many times.
     common_.push_back(driver("stamp", kSwayWaves));
     common_.back().bend = kSwayWaves;
     common_.push_back(driver("temperature", kFewWaves));
@@ -169,6 +169,8 @@ class Curves {
       add({PlaceKind::kCameraMount}, driver);
       add({PlaceKind::kTargetMount}, driver);
     }
+    addSways(PlaceKind::kCameraMount);
+    addSways(PlaceKind::kTargetMount);
     if (measured_.start.camera) addLens();
     return std::move(candidates_);
   }
@@ -176,6 +178,7 @@ class Curves {
  private:
   static constexpr int kJointWaves = 14, kStampWaves = 14, kSwayWaves = 32, kFewWaves = 5, kOtherJointWaves = 6, kTorqueWaves = 8,
                        kLensOrders = 6, kFineWaves = 40;
+  static constexpr double kTypical = 2e-4;  // [rad, m]
 
   FollowedDriver driver(const std::string& name, int count) const {
     FollowedDriver made{Driver(name), Eigen::VectorXd(static_cast<Eigen::Index>(contexts_.size())), count};
@@ -212,7 +215,6 @@ class Curves {
   }
 
   void add(const Place& place, const FollowedDriver& driver) {
-    constexpr double kTypicalRadian = 2e-4, kTypicalMetre = 2e-4;
     const std::optional<CurveRange> range = rangeOf(driver.value);
     // A curve that is not smooth anyway may be as fine as poses carry it, were they evenly spread.
     const int carried = static_cast<int>(contexts_.size()) / (driver.bend < driver.waves ? 5 : 2);
@@ -224,14 +226,34 @@ class Curves {
     candidate.place = place;
     candidate.driver = driver.driver;
     if (joint) {
-      candidate.typical = smooth(count, kTypicalRadian, driver.bend);
+      candidate.typical = smooth(count, kTypical, driver.bend);
     } else {
       candidate.typical.resize(6 * count);
       for (int axis = 0; axis < 6; ++axis) {
-        candidate.typical.segment(axis * count, count) = smooth(count, axis < 3 ? kTypicalRadian : kTypicalMetre, driver.bend);
+        candidate.typical.segment(axis * count, count) = smooth(count, kTypical, driver.bend);
       }
     }
     push(std::move(candidate));
+  }
+
+  /// A mount that sways with time at one frequency, which a curve of many waves would follow at a much higher price.
+  void addSways(PlaceKind mount) {
+    constexpr double kLeast = 1.5, kStep = 0.5, kMost = 40.0;  // times over the capture; less often is a smooth curve
+    constexpr double kPoses = 4.0;                             // for each time, or it is noise
+    const FollowedDriver& stamp = common_.front();
+    const std::optional<CurveRange> range = rangeOf(stamp.value);
+    if (!range) return;
+    std::vector<double> all;
+    for (double f = kLeast; f <= std::min(kMost, static_cast<double>(contexts_.size()) / kPoses); f += kStep) all.push_back(f);
+    for (const double f : all) {
+      Candidate candidate;
+      candidate.curve = Curve{.place = {mount}, .range = *range, .waves = 0, .orders = 0, .cycles = {f}};
+      candidate.place = candidate.curve->place;
+      candidate.driver = stamp.driver;
+      candidate.typical = Eigen::VectorXd::Constant(12, kTypical);
+      candidate.log_prior = -std::log(static_cast<double>(all.size()));
+      push(std::move(candidate));
+    }
   }
 
   void push(Candidate candidate) {
@@ -322,7 +344,8 @@ void curveAction(const Candidate& candidate, const ObservationRows& part, Eigen:
     }
     return;
   }
-  const Eigen::RowVectorXd waves = curve.range.waves(driverValue(candidate.driver, part.context), curve.waves);
+  const double driver = driverValue(candidate.driver, part.context);
+  const Eigen::RowVectorXd waves = curve.cycles.empty() ? curve.range.waves(driver, curve.waves) : curve.range.sways(driver, curve.cycles);
   if (curve.place.kind == PlaceKind::kJoint) {
     action = waves;
     return;
@@ -370,8 +393,11 @@ CandidateList allCandidates(const MeasuredCell& measured, const ModelState& stat
              list.candidates);
   }
   std::vector<Candidate> curves = Curves(measured, contexts).all();
+  // Sways of a mount are one curve of many shapes.
+  const double shares = std::accumulate(curves.begin(), curves.end(), 0.0,
+                                        [](double sum, const Candidate& curve) { return sum + std::exp(curve.log_prior); });
   for (Candidate& curve : curves) {
-    curve.log_prior = std::log(kSearch.curve_share / static_cast<double>(curves.size()));
+    curve.log_prior += std::log(kSearch.curve_share / shares);
     list.candidates.push_back(std::move(curve));
   }
   if (showsReference(measured)) addCameraMoves(list.candidates);

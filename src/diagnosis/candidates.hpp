@@ -21,6 +21,7 @@ struct Curve {
   CurveRange range;                   ///< of the driver in the capture; not for the lens, whose waves are of the pixel
   Eigen::Index waves = 0;             ///< how many
   int orders = 0;                     ///< lens only: waves along u and v in all
+  std::vector<double> cycles = {};    ///< mounts only: sways that come and go so often over the range, in place of `waves`
   std::vector<AngleWave> terms = {};  ///< joint only: waves of several angles, in place of those of one driver; ascending
 };
 

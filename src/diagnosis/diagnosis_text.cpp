@@ -136,8 +136,10 @@ std::string surenessText(double probability) {
 
 std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&) {
   std::string text;
-  if (diagnosis.findings.empty()) {
+  if (diagnosis.isClean()) {
     text = "diagnosis: nothing beyond noise and geometry\n";
+  } else if (diagnosis.findings.empty()) {
+    text = "diagnosis: a gap, but no cause that helps on held-out poses\n";
   } else {
     text = fmt::format("diagnosis: {} {}\n", diagnosis.findings.size(), diagnosis.findings.size() == 1 ? "finding" : "findings");
     for (const Finding& finding : diagnosis.findings) text += findingText(diagnosis, finding);

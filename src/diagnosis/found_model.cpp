@@ -23,7 +23,9 @@ AppliedEffect withDeviations(AppliedEffect applied, const Eigen::VectorXd& devia
 AppliedEffect curveOf(const Accepted& one, const Cell& cell) {
   const Candidate& candidate = one.candidate;
   if (!candidate.curve->terms.empty()) return makeAngleWaves(candidate.place.index, candidate.curve->terms, one.factors, cell);
-  return makeCurve(candidate.place, candidate.driver, candidate.curve->range, one.factors, cell);
+  const Curve& curve = *candidate.curve;
+  if (!curve.cycles.empty()) return makeSway(curve.place, candidate.driver, curve.range, curve.cycles, one.factors, cell);
+  return makeCurve(curve.place, candidate.driver, curve.range, one.factors, cell);
 }
 
 /// What was found as the model holds it: named effects and what their stated masses leave out, curves, and joints that move at random.

@@ -76,13 +76,13 @@ class Waves {
     for (Eigen::Index g = 0; g < poses; ++g) {
       q_.row(g) = rows.observations[rows.groups[static_cast<std::size_t>(g)].front()].context.sample.q;
     }
-    cosines_.resize(poses, joints * kFactors);
-    sines_.resize(poses, joints * kFactors);
+    cosines_.resize(poses, joints * kHalves);
+    sines_.resize(poses, joints * kHalves);
     for (Eigen::Index joint = 0; joint < joints; ++joint) {
-      for (Eigen::Index factor = 1; factor <= kFactors; ++factor) {
-        const Eigen::ArrayXd phase = static_cast<double>(factor) * q_.col(joint).array();
-        cosines_.col(joint * kFactors + factor - 1) = phase.cos().cast<float>();
-        sines_.col(joint * kFactors + factor - 1) = phase.sin().cast<float>();
+      for (Eigen::Index halves = 1; halves <= kHalves; ++halves) {
+        const Eigen::ArrayXd phase = 0.5 * static_cast<double>(halves) * q_.col(joint).array();
+        cosines_.col(joint * kHalves + halves - 1) = phase.cos().cast<float>();
+        sines_.col(joint * kHalves + halves - 1) = phase.sin().cast<float>();
       }
     }
   }
@@ -112,7 +112,7 @@ class Waves {
       s.setZero();
       // exp(i (a + b)) = exp(i a) exp(i b).
       for (const auto& [of, factor] : wave) {
-        const Eigen::Index column = static_cast<Eigen::Index>(of) * kFactors + static_cast<Eigen::Index>(std::abs(factor)) - 1;
+        const Eigen::Index column = static_cast<Eigen::Index>(of) * kHalves + static_cast<Eigen::Index>(2.0 * std::abs(factor)) - 1;
         const float sign = factor < 0.0 ? -1.0F : 1.0F;
         before = c;
         c = before * cosines_.col(column) - sign * (s * sines_.col(column));
@@ -130,7 +130,7 @@ class Waves {
   }
 
  private:
-  static constexpr Eigen::Index kFactors = 4;
+  static constexpr Eigen::Index kHalves = 8;
 
   Eigen::ArrayXd phases(const AngleWave& wave) const {
     Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(q_.rows());
@@ -140,7 +140,7 @@ class Waves {
 
   const WaveDictionary& dictionary_;
   Eigen::MatrixXd q_;                ///< poses x joints
-  Eigen::ArrayXXf cosines_, sines_;  ///< of each joint times 1 to 4
+  Eigen::ArrayXXf cosines_, sines_;  ///< of each joint times 0.5, 1, ... 4
 };
 
 /// The search at one linearisation.
@@ -287,9 +287,16 @@ class WaveSearch {
   std::vector<Port> ports_;
 };
 
-/// A single wave of the joint's own angle is joint_eccentricity or joint_harmonic.
+/// Whether gravity's torque on a joint can have a wave in it: turning the joint turns gravity in its body once, and so does every other
+/// joint that has a part in it.
+bool isOfGravity(std::size_t joint, const AngleWave& wave) {
+  return wave.contains(joint) && std::all_of(wave.begin(), wave.end(), [](const auto& term) { return std::abs(term.second) == 1.0; });
+}
+
+/// A single wave of the joint's own angle is joint_eccentricity or joint_harmonic; waves of gravity are a compliance.
 bool hasAName(std::size_t joint, const std::vector<Entry>& waves) {
-  return waves.size() == 1 && waves.front().wave.size() == 1 && waves.front().wave.begin()->first == joint;
+  if (waves.size() == 1 && waves.front().wave.size() == 1 && waves.front().wave.begin()->first == joint) return true;
+  return std::all_of(waves.begin(), waves.end(), [joint](const Entry& entry) { return isOfGravity(joint, entry.wave); });
 }
 
 /// All waves of a path as one explanation at a joint, beside those of `before`. @param log_share  of the joint.
@@ -321,9 +328,8 @@ Candidate candidateOf(std::size_t joint, const std::vector<Entry>& waves, double
   return candidate;
 }
 
-/// All n of at most three of some joints with |n_j| <= 4, the first of them positive: the other half are the same waves.
-std::vector<AngleWave> wholeWaves(const std::vector<std::size_t>& joints) {
-  constexpr int kFactors = 4;
+/// All n of at most three of some joints whose |n_j| are among these, the first of them positive: the other half are the same waves.
+std::vector<AngleWave> wavesOf(const std::vector<std::size_t>& joints, const std::vector<double>& factors) {
   constexpr std::size_t kTogether = 3;
   std::vector<AngleWave> all;
   std::vector<AngleWave> shorter{{}};
@@ -332,15 +338,28 @@ std::vector<AngleWave> wholeWaves(const std::vector<std::size_t>& joints) {
     for (const AngleWave& wave : shorter) {
       for (const std::size_t joint : joints) {
         if (!wave.empty() && joint <= wave.rbegin()->first) continue;
-        for (int factor = wave.empty() ? 1 : -kFactors; factor <= kFactors; ++factor) {
-          if (factor == 0) continue;
-          longer.push_back(wave);
-          longer.back()[joint] = factor;
+        for (const double factor : factors) {
+          for (const double sign : {1.0, -1.0}) {
+            if (wave.empty() && sign < 0.0) continue;
+            longer.push_back(wave);
+            longer.back()[joint] = sign * factor;
+          }
         }
       }
     }
     all.insert(all.end(), longer.begin(), longer.end());
     shorter = std::move(longer);
+  }
+  return all;
+}
+
+/// Waves of whole factors are those of gears, discs and gravity. A joint seldom goes round: what is smooth over its range, and no more, is
+/// of halves.
+std::vector<AngleWave> commonWaves(const std::vector<std::size_t>& joints) {
+  std::vector<AngleWave> all = wavesOf(joints, {1.0, 2.0, 3.0, 4.0});
+  for (AngleWave& wave : wavesOf(joints, {0.5, 1.0, 1.5})) {
+    const bool halves = std::any_of(wave.begin(), wave.end(), [](const auto& term) { return std::remainder(term.second, 1.0) != 0.0; });
+    if (halves) all.push_back(std::move(wave));
   }
   return all;
 }
@@ -367,10 +386,10 @@ WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& sample
     if (arm.joints[k].type == JointType::kRevolute && range[k] > kStill) turning.push_back(k);
   }
   double total = 0.0;
-  for (AngleWave& wave : wholeWaves(turning)) {
+  for (AngleWave& wave : commonWaves(turning)) {
     const double size = sizeOf(wave);
     // A wave of a size is one of about size^2: all sizes together are alike.
-    common_.push_back({std::move(wave), std::pow(size, -2), kTypical / (1.0 + size / kFine)});
+    common_.push_back({std::move(wave), std::pow(std::max(1.0, size), -2), kTypical / (1.0 + size / kFine)});
     total += common_.back().log_share;
   }
   for (Entry& entry : common_) entry.log_share = std::log(kSearch.whole_factors * entry.log_share / total);

@@ -211,7 +211,7 @@ class Selector {
     const bool any = !beside.answers.empty() && beside.answers[chosen].candidate && beside.answers[chosen].log_weight > kSearch.beside;
     if (!any) {
       refitAll();
-      return false;
+      return takeWavesInstead(without, scatter);
     }
     if (const std::optional<std::size_t> more = curveThatStandsForBoth(without, beside.answers[chosen], scatter)) {
       take(without, *more);
@@ -219,6 +219,32 @@ class Selector {
       take(beside, chosen);
     }
     growWaves();
+    return true;
+  }
+
+  /// Structure of which each wave alone is less than a joint's random motion explains, and all of them are more: they show only one after
+  /// the other, the later ones in the quiet that the earlier ones leave. @return whether there was any, which is taken in the scatter's
+  /// place.
+  bool takeWavesInstead(const Ranking& without, const RankedAnswer& scatter) {
+    const auto waves = std::find_if(without.answers.begin(), without.answers.end(), [&scatter](const RankedAnswer& answer) {
+      return answer.candidate && answer.candidate->isWaves() && answer.place == scatter.place && answer.log_weight > kSearch.beside;
+    });
+    if (waves == without.answers.end()) return false;
+    const double before = linear_.logLikelihood();
+    const auto chosen = static_cast<std::size_t>(waves - without.answers.begin());
+    take(without, chosen);
+    growWaves();
+    FoundEffect& found = selection_.findings.back();
+    // The waves are in at their best scale, not at all of them.
+    const double weight =
+        linear_.logLikelihood() - before + found.accepted->candidate.log_prior - std::log(static_cast<double>(evidenceScales().size()));
+    if (!(weight > scatter.log_weight)) {
+      selection_.findings.pop_back();
+      refitAll();
+      return false;
+    }
+    found.ranking.answers.front().log_weight = weight;
+    found.ranking.sumUp();
     return true;
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -68,7 +69,51 @@ std::vector<EffectParameter> jointParameters(const Driver& driver, const std::ma
   return parameters;
 }
 
+/// "rx_cos(5.5)": a factor of a sway that comes and goes 5.5 times over the range.
+struct NamedSway {
+  bool sine = false;
+  double cycles = 0.0;
+};
+
+std::string swayName(const std::string& axis, const NamedSway& sway) {
+  return fmt::format("{}_{}({})", axis, sway.sine ? "sin" : "cos", sway.cycles);
+}
+
+/// Nothing where a name is no such word.
+std::optional<NamedSway> namedSway(const std::string& name) {
+  constexpr std::size_t kAxis = 2, kPrefix = kAxis + 5;
+  const std::string word = name.substr(std::min(kAxis, name.size()), kPrefix - kAxis);
+  NamedSway sway{.sine = word == "_sin(", .cycles = 0.0};
+  if (!(sway.sine || word == "_cos(") || !name.ends_with(")")) return {};
+  const char* const end = name.data() + name.size() - 1;
+  const auto [rest, status] = std::from_chars(name.data() + kPrefix, end, sway.cycles);
+  if (status != std::errc() || rest != end || !(sway.cycles > 0.0) || !std::isfinite(sway.cycles)) return {};
+  return sway;
+}
+
+/// Both factors of every sway that is named, of all axes; none where none is.
+std::vector<EffectParameter> swayParameters(const std::map<std::string, double>& given) {
+  std::set<double> all;
+  for (const auto& [name, value] : given) {
+    if (const auto sway = namedSway(name)) all.insert(sway->cycles);
+  }
+  std::vector<EffectParameter> parameters;
+  for (const std::string axis : kAxes) {
+    for (const double cycles : all) {
+      for (const bool sine : {false, true}) {
+        parameters.push_back({swayName(axis, {sine, cycles}), axis.starts_with("r") ? "rad" : "m", 1e-4});
+      }
+    }
+  }
+  return parameters;
+}
+
 std::vector<EffectParameter> mountParameters(const Driver& driver, const std::map<std::string, double>& given) {
+  if (const std::vector<EffectParameter> sways = swayParameters(given); !sways.empty()) {
+    std::vector<EffectParameter> parameters = range(driver);
+    parameters.insert(parameters.end(), sways.begin(), sways.end());
+    return parameters;
+  }
   int count = 0;
   for (const char* axis : kAxes) count = std::max(count, lastOf(axis, given));
   std::vector<EffectParameter> parameters = range(driver);
@@ -125,6 +170,11 @@ void bendMount(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& para
                Disturbance& disturbance) {
   const Eigen::Index count = (parameters.size() - kRange) / static_cast<Eigen::Index>(kAxes.size());
   const Eigen::Index axis = (i - kRange) / count, j = (i - kRange) % count;
+  if (const auto sway = namedSway(effect.parameters()[static_cast<std::size_t>(i)].name)) {
+    const CurveRange range{parameters(0), parameters(1)};
+    (disturbance.*port)(axis) += amount * range.sways(driverValue(effect.driver(), context), {sway->cycles})(sway->sine ? 1 : 0);
+    return;
+  }
   (disturbance.*port)(axis) += amount * waveAt(effect, parameters, context, j, count);
 }
 
@@ -145,7 +195,7 @@ EffectKind unknown(PlaceKind place, EffectKind::AddDerivative add_derivative, Ef
   kind.meaning = "structure that no listed effect explains";
   kind.formula =
       "sum over j of c_j cos(pi j x), x = (driver - low) / (high - low) held within 0 .. 1; of several joints: sum over n of a_n cos(n.q) "
-      "+ b_n sin(n.q)";
+      "+ b_n sin(n.q); of a mount that sways: sum over f of a_f cos(2 pi f x) + b_f sin(2 pi f x)";
   kind.add_derivative = add_derivative;
   kind.parameters_of = parameters_of;
   kind.moves_points = place == PlaceKind::kCameraLens;
@@ -198,6 +248,17 @@ Eigen::RowVectorXd CurveRange::waves(double value, Eigen::Index count) const {
   return all;
 }
 
+Eigen::RowVectorXd CurveRange::sways(double value, const std::vector<double>& cycles) const {
+  Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(2 * static_cast<Eigen::Index>(cycles.size()));
+  if (std::isnan(value)) return all;
+  const double x = std::clamp((value - low) / (high - low), 0.0, 1.0);
+  for (std::size_t k = 0; k < cycles.size(); ++k) {
+    const double phase = 2.0 * M_PI * cycles[k] * x;
+    all.segment<2>(2 * static_cast<Eigen::Index>(k)) << std::cos(phase), std::sin(phase);
+  }
+  return all;
+}
+
 std::vector<std::pair<int, int>> pixelOrders(int orders) {
   std::vector<std::pair<int, int>> all;
   for (int i = 0; i <= orders; ++i) {
@@ -235,6 +296,24 @@ AppliedEffect makeCurve(const Place& place, const Driver& driver, const CurveRan
   if (!lens) {
     spec.parameters["low"] = range.low;
     spec.parameters["high"] = range.high;
+  }
+  return makeEffect(spec, cell);
+}
+
+AppliedEffect makeSway(const Place& place, const Driver& driver, const CurveRange& range, const std::vector<double>& cycles,
+                       const Eigen::VectorXd& factors, const Cell& cell) {
+  if (place.kind != PlaceKind::kCameraMount && place.kind != PlaceKind::kTargetMount) {
+    throw InvalidArgument(fmt::format("nothing sways at {}, expected camera.mount or target.mount", place.name()));
+  }
+  EffectSpec spec{.effect = kUnknownEffect,
+                  .location = place.name(),
+                  .parameters = {{"low", range.low}, {"high", range.high}},
+                  .driver = driver.name()};
+  Eigen::Index next = 0;
+  for (const std::string axis : kAxes) {
+    for (const double f : cycles) {
+      for (const bool sine : {false, true}) spec.parameters[swayName(axis, {sine, f})] = factors(next++);
+    }
   }
   return makeEffect(spec, cell);
 }

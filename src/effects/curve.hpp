@@ -27,6 +27,8 @@ struct CurveRange {
 
   /// The `count` cosines at a value of the driver; zero where that is NaN.
   Eigen::RowVectorXd waves(double value, Eigen::Index count) const;
+  /// cos(2 pi f x) and sin(2 pi f x) for each f, which is how often a sway comes and goes over the range; zero where the value is NaN.
+  Eigen::RowVectorXd sways(double value, const std::vector<double>& cycles) const;
 };
 
 /// cos(pi i u / width) cos(pi j v / height) of a pixel, for i, j >= 0 and 1 <= i + j <= orders, by i and then j.
@@ -41,6 +43,12 @@ std::vector<std::pair<int, int>> pixelOrders(int orders);
 /// @throws InvalidArgument: no such place.
 AppliedEffect makeCurve(const Place& place, const Driver& driver, const CurveRange& range, const Eigen::VectorXd& factors,
                         const Cell& cell);
+
+/// The effect `unknown` at a mount as sways, sum of a cos(2 pi f x) + b sin(2 pi f x).
+/// @param cycles  f, ascending, each once. @param factors  of rx, then ry, rz, tx, ty, tz: a, b of each f [rad, m].
+/// @throws InvalidArgument: no mount.
+AppliedEffect makeSway(const Place& place, const Driver& driver, const CurveRange& range, const std::vector<double>& cycles,
+                       const Eigen::VectorXd& factors, const Cell& cell);
 
 /// The effect `unknown` at a joint's reading as waves of several angles, sum of a cos(n.q) + b sin(n.q).
 /// @param joint  index from 0. @param waves  ascending, each once. @param factors  a, b of each [rad, m]. @throws InvalidArgument: no such

@@ -123,6 +123,15 @@ Verdict verdictOf(const Calibration& calibration) {
   const Diagnosis& diagnosis = *calibration.diagnosis;
   Verdict verdict;
   verdict.actions = actionsOf(diagnosis);
+  if (diagnosis.findings.empty() && !diagnosis.isClean()) {
+    verdict.headline = "A gap without a known cause";
+    verdict.sentences = {
+        fmt::format("Structure is left at {}, driven by {}.", spoken(diagnosis.remaining_location), diagnosis.remaining_driver),
+        fmt::format("None of {} explanations makes held-out poses better.", diagnosis.answers),
+        capitalised(fmt::format("what remains is {}.", remains(diagnosis)))};
+    verdict.actions.push_back("Take more poses, some of them twice: repeats tell structure from random motion.");
+    return verdict;
+  }
   if (diagnosis.findings.empty()) {
     verdict.headline = "Nothing beyond noise and geometry";
     verdict.sentences = {"No place of the cell shows a gap that the identified geometry leaves.",

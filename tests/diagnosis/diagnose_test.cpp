@@ -199,6 +199,18 @@ TEST(Diagnose, JsonHasTheWordsOfTheContract) {
   EXPECT_EQ(json["gap"]["stages"][2]["stage"], "identified");
 }
 
+TEST(Diagnose, AGapWithoutACauseIsNotNothing) {
+  Diagnosis diagnosis;
+  EXPECT_THAT(diagnosisText(diagnosis, {}), HasSubstr("nothing beyond noise and geometry"));
+  diagnosis.remaining_significant = true;
+  diagnosis.remaining_location = "joint:4";
+  diagnosis.remaining_driver = "q4";
+  const std::string text = diagnosisText(diagnosis, {});
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("nothing")));
+  EXPECT_THAT(text, HasSubstr("a gap, but no cause that helps on held-out poses"));
+  EXPECT_THAT(text, HasSubstr("structure at joint:4, driven by q4"));
+}
+
 TEST(Diagnose, FewPosesAreSaid) {
   const test::SmallCell small = test::smallCell(9, 11, kSigma, {});
   EXPECT_THROW(small.diagnosis(), InsufficientData);

@@ -56,6 +56,26 @@ TEST_F(CurveAt, AMountHasACurveForEachOfItsSixNumbers) {
   EXPECT_THAT(of("target.mount", "temperature", factors).grip, test::IsNear(expected, kRounding));
 }
 
+TEST_F(CurveAt, AMountSwaysToAndFro) {
+  context_.sample.stamp = 0.4;
+  const double x = (0.4 + 0.5) / 2.0;  // of kRange
+  const std::vector<double> cycles{1.5, 7.0};
+  const Eigen::VectorXd factors = test::uniformVector(rng_, 24, 1e-3);
+  Vector6d expected;
+  for (int axis = 0; axis < 6; ++axis) {
+    const auto of_axis = factors.segment<4>(4 * axis);
+    expected(axis) = of_axis(0) * std::cos(3.0 * M_PI * x) + of_axis(1) * std::sin(3.0 * M_PI * x) +
+                     of_axis(2) * std::cos(14.0 * M_PI * x) + of_axis(3) * std::sin(14.0 * M_PI * x);
+  }
+  const AppliedEffect made = makeSway({PlaceKind::kTargetMount}, Driver("stamp"), kRange, cycles, factors, rich_.cell);
+  EXPECT_THAT(disturbanceOf({made}, context_).grip, test::IsNear(expected, kRounding));
+  // As a file says it, it comes back.
+  const AppliedEffect again = makeEffect(made.effect.spec(made.parameters), rich_.cell);
+  EXPECT_EQ(again.parameters, made.parameters);
+  EXPECT_THAT(disturbanceOf({again}, context_).grip, test::IsNear(expected, kRounding));
+  EXPECT_THROW(makeSway({PlaceKind::kJoint, 1}, Driver("stamp"), kRange, cycles, factors, rich_.cell), InvalidArgument);
+}
+
 TEST_F(CurveAt, TheLensMovesPixelsByWhereTheyAre) {
   const Eigen::VectorXd factors = test::uniformVector(rng_, 2 * static_cast<int>(pixelOrders(3).size()), 0.5);
   const Disturbance disturbance = of("camera.lens", "pixel", factors);

@@ -9,6 +9,7 @@
 #include "poecal/calibration/results.hpp"
 #include "poecal/core/error.hpp"
 #include "report/report_cells.hpp"
+#include "report/verdict.hpp"
 
 namespace poecal {
 namespace {
@@ -98,6 +99,19 @@ TEST(Report, ErrorsOfAJointHaveTheSignOfWhatMovesIt) {
   EXPECT_GT(before, 0.5 * play);
   EXPECT_LT(before, 1.1 * play);
   EXPECT_LT(std::abs(after), 0.1 * play);
+}
+
+TEST(Report, AGapWithoutACauseIsNotNothing) {
+  Calibration calibration;
+  calibration.diagnosis.emplace();
+  calibration.diagnosis->remaining_significant = true;
+  calibration.diagnosis->remaining_location = "joint:4";
+  calibration.diagnosis->remaining_driver = "q4";
+  const Verdict verdict = verdictOf(calibration);
+  EXPECT_EQ(verdict.headline, "A gap without a known cause");
+  EXPECT_THAT(verdict.sentences, SizeIs(3));
+  EXPECT_EQ(verdict.sentences.front(), "Structure is left at joint 4, driven by q4.");
+  EXPECT_THAT(verdict.actions, SizeIs(2));
 }
 
 TEST(Report, WordsTheVerdictInThreeSentences) {

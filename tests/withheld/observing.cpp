@@ -76,7 +76,16 @@ void observe(Case& made, const Disorder& disorder, Chance& chance) {
         continue;
       }
       Sighting sighting{i, made.actual.tags[tag].id, {}};
-      for (int c = 0; c < 4; ++c) sighting.pixels.col(c) = pixels[i].segment<2>(8 * static_cast<Eigen::Index>(tag) + 2 * c);
+      bool inside = true;
+      for (int c = 0; c < 4; ++c) {
+        sighting.pixels.col(c) = pixels[i].segment<2>(8 * static_cast<Eigen::Index>(tag) + 2 * c);
+        inside = inside && made.actual.lens.shows(sighting.pixels.col(c), 0.0);
+      }
+      // A large effect carries a tag out of the picture.
+      if (!inside) {
+        ++made.missing;
+        continue;
+      }
       made.sightings.push_back(sighting);
     }
   }

@@ -60,6 +60,7 @@ struct ResultSummary {
   std::optional<std::string> verdict;  ///< of the diagnosis; unset where there is none
   std::string why;                     ///< where the data are insufficient for a diagnosis
   std::vector<FindingSummary> findings;
+  bool structure_left = false;  ///< that no finding explains
   std::optional<StageErrors> diagnosed;
   std::optional<double> shrinkage, shrinkage_low, shrinkage_high;  ///< unset where none is claimed
   std::optional<long> bad_samples;

@@ -142,6 +142,8 @@ struct Diagnosis {
   std::vector<Explained> explained;  ///< every answer that was weighed, best first, nothing found yet
   Model model;                       ///< with the effects
 
+  /// Whether there is nothing to say: no finding, and no structure known that one is missing for.
+  bool isClean() const { return findings.empty() && !remaining_significant; }
   /// Otherwise none is subtracted.
   bool noiseKnown() const { return noise_source != NoiseSource::kUnknown; }
 };

@@ -15,7 +15,7 @@ const best = (cell) => stagesOf(cell).slice(-1)[0] || null;
 function cellWords(cell) {
   if (!cell.verdict) return cell.stages.length === 0 ? 'only registered, or without held-out poses' : 'not diagnosed';
   if (cell.why) return 'no diagnosis: ' + cell.why;
-  if (cell.findings.length === 0) return 'nothing beyond noise and geometry';
+  if (cell.findings.length === 0) return cell.structure_left ? 'a gap, but no cause found' : 'nothing beyond noise and geometry';
   return cell.findings.map((f) => `${f.effect} at ${place(f.location)}` + (f.size ? ` (${f.size})` : '')).join('; ');
 }
 
