@@ -169,8 +169,11 @@ class Curves {
       add({PlaceKind::kCameraMount}, driver);
       add({PlaceKind::kTargetMount}, driver);
     }
-    addSways(PlaceKind::kCameraMount);
-    addSways(PlaceKind::kTargetMount);
+    // Rows come at no even pace: by their order alone, what comes and goes with time does not.
+    if (measured_.timed) {
+      addSways(PlaceKind::kCameraMount);
+      addSways(PlaceKind::kTargetMount);
+    }
     if (measured_.start.camera) addLens();
     return std::move(candidates_);
   }

@@ -107,7 +107,7 @@ std::vector<RungPair> blockRungs(const Ladder& ladder, const std::vector<std::si
     RungPair& pair = pairs.emplace_back();
     pair.before = ladder.identifiedRung(kind);
     progress.advance();
-    pair.after = ladder.rungWith("", findings, kind);
+    pair.after = ladder.rungWith("", findings, kind, Waves::kKept);
     progress.advance();
   }
   return pairs;
@@ -122,46 +122,53 @@ void tellGap(const Gap& gap, const std::vector<Rung>& rungs, Diagnosis& diagnosi
   diagnosis.after_interval = gap.remaining();
 }
 
-/// The ladder, and how much each finding shrinks the excess. @return for each finding whether it serves poses that its fit did not see.
-std::vector<bool> climb(const Selection& selection, const MeasuredCell& measured, const Identification& identification,
-                        const DiagnoseOptions& options, Diagnosis& diagnosis) {
+/// How the findings serve poses that their fit did not see.
+struct Climbed {
+  std::vector<bool> serves;  ///< each of them
+  bool worse = false;        ///< all together make them worse than the identification left them: then none is named
+};
+
+/// The ladder, and how much each finding shrinks the excess.
+Climbed climb(const Selection& selection, const MeasuredCell& measured, const Identification& identification,
+              const DiagnoseOptions& options, Diagnosis& diagnosis) {
   const Ladder ladder(selection, measured, identification, options.folds, options.seed);
-  const std::size_t findings = selection.findings.size();
+  const std::size_t findings = selection.findings.size(), choices = ladder.hasWaves() ? 2 : 1;
   // A rung with each finding, those with none and with all by other folds, and one without each where there are several.
-  const std::size_t rung_count = findings == 0 ? 0 : findings + 2 * ladder.blocks().size() + (findings > 1 ? findings : 0);
+  const std::size_t rung_count =
+      findings == 0 ? 0 : findings + choices - 1 + 2 * ladder.blocks().size() + (findings > 1 ? choices * findings : 0);
   Progress progress(options.progress, "judging on poses held out", rung_count);
   progress.show();
-  std::vector<Rung> rungs = ladder.geometricRungs();
-  std::vector<std::size_t> taken;
-  for (std::size_t i = 0; i < selection.findings.size(); ++i) {
-    taken.push_back(i);
-    rungs.push_back(ladder.rungWith(rungName(selection, rungs[kIdentified].stage, taken), taken, HeldOut::kRandom));
+  const auto rungOf = [&](const std::string& stage, const std::vector<std::size_t>& some, Waves waves) {
+    Rung rung = ladder.rungWith(stage, some, HeldOut::kRandom, waves);
     progress.advance();
+    return rung;
+  };
+  std::vector<Rung> rungs = ladder.geometricRungs();
+  const Rung identified = rungs[kIdentified];
+  std::vector<std::size_t> taken;
+  for (std::size_t i = 0; i < findings; ++i) {
+    taken.push_back(i);
+    rungs.push_back(rungOf(rungName(selection, identified.stage, taken), taken, Waves::kChosenAnew));
   }
+  const Rung& all = rungs.back();
+  const Rung kept = choices > 1 ? rungOf("", taken, Waves::kKept) : all;
   const MeasurementNoise noise = measurementNoise(selection.measured, selection.linear, identification.sigmas_stated);
   const Gap gap(selection, noise, rungs, options.seed);
   diagnosis.noise_source = noise.source;
   tellGap(gap, rungs, diagnosis);
-  if (!taken.empty()) diagnosis.shrinkage = gap.shrinkage(rungs[kIdentified], rungs.back(), blockRungs(ladder, taken, progress));
-  std::vector<bool> serves;
-  for (std::size_t i = 0; i < selection.findings.size(); ++i) {
-    std::vector<std::size_t> others;
-    for (const std::size_t j : taken) {
-      if (j != i) others.push_back(j);
-    }
-    std::optional<Rung> made;
-    const Rung& without = others.empty() ? rungs[kIdentified] : made.emplace(ladder.rungWith("", others, HeldOut::kRandom));
-    if (made) progress.advance();
-    diagnosis.findings[i].shrinkage = made ? gap.shrinkage(without, rungs.back(), {}) : diagnosis.shrinkage;
-    serves.push_back(servesOthers(selection.findings[i], gain(without, rungs.back())));
+  if (findings > 0) diagnosis.shrinkage = gap.shrinkage(identified, all, blockRungs(ladder, taken, progress), kept);
+  Climbed climbed;
+  for (std::size_t i = 0; i < findings; ++i) {
+    std::vector<std::size_t> others = taken;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const Rung without = others.empty() ? identified : rungOf("", others, Waves::kChosenAnew);
+    const Rung without_kept = others.empty() || choices == 1 ? without : rungOf("", others, Waves::kKept);
+    diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : gap.shrinkage(without, all, {}, kept);
+    climbed.serves.push_back(servesOthers(selection.findings[i], gain(without_kept, kept)));
   }
-  return serves;
-}
-
-/// Whether all findings together make held-out poses worse than the identification left them: then none of them is named.
-bool isWorse(const Diagnosis& diagnosis) {
   constexpr double kBeyondChance = 1.05;
-  return diagnosis.stages.back().rms > kBeyondChance * diagnosis.stages[kIdentified].rms;
+  climbed.worse = rmsOf(kept) > kBeyondChance * rmsOf(identified);
+  return climbed;
 }
 
 }  // namespace
@@ -171,7 +178,8 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
   if (identification.folds.empty()) throw InsufficientData("no pose was held out to judge a model");
   Measurements measurements = given;
   const RowOrder row_order = standInByRowOrder(measurements.samples);
-  const MeasuredCell measured = measuredCell(identification, measurements, options);
+  MeasuredCell measured = measuredCell(identification, measurements, options);
+  measured.timed = !row_order.stamp;
   if (measured.groups.size() < kFewestPoses) {
     throw InsufficientData(
         fmt::format("{} poses are too few to tell an effect from the arm's own geometry: at least {} are needed, 40 or more are advised",
@@ -185,8 +193,8 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
   for (SearchLimits limits;; limits.label = "searching for effects again") {
     const Selection selection = selectEffects(measured, state, wild, limits);
     Diagnosis diagnosis = tellFindings(selection, row_order);
-    const std::vector<bool> serves = climb(selection, measured, identification, options, diagnosis);
-    if (limits.most > 0 && isWorse(diagnosis)) {
+    const Climbed climbed = climb(selection, measured, identification, options, diagnosis);
+    if (limits.most > 0 && climbed.worse) {
       limits.most = 0;
       continue;
     }
@@ -194,7 +202,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
     for (; useless < diagnosis.findings.size(); ++useless) {
       const std::string& effect = diagnosis.findings[useless].effect;
       const bool judged = effect == kUnknownEffect || !limits.curves || isSmall(measured);
-      if (!selection.findings[useless].scatter && judged && !serves[useless]) break;
+      if (!selection.findings[useless].scatter && judged && !climbed.serves[useless]) break;
     }
     if (useless == diagnosis.findings.size()) {
       tellNoise(selection, diagnosis);

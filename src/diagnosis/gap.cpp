@@ -198,20 +198,15 @@ std::pair<double, double> Gap::remaining() const {
   return {std::min(told, middle(least).first), std::max(told, middle(most).second)};
 }
 
-Shrinkage Gap::shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks) const {
+Gap::Drawn Gap::drawn(const Rung& before, const Rung& after) const {
   constexpr std::size_t kTestPoses = 60;
   const std::size_t count = before.poses.size();
-  Shrinkage shrinkage;
-  Sums all;
-  for (std::size_t g = 0; g < count; ++g) all.add(before.poses[g], after.poses[g], expected_[g]);
-  if (!(all.points > 0.0)) return shrinkage;
-  shrinkage.value = all.shrinkage(std::max(0.0, meanSquare(after) - subtracted_));
   Rng rng = resampling_;
   // These poses are a sample, and so are those on which somebody looks again: both means scatter, as one over so many poses does.
   const std::size_t again = std::min<std::size_t>(count, kTestPoses), others = std::max<std::size_t>(1, count * again / (count + again));
   const std::vector<SlipTime> slips = slipTimes(selection_);
   const bool any_shape = hasAnyShape(selection_);
-  std::vector<double> foretold, measured;
+  Drawn drawn;
   for (int resample = 0; resample < kResamples; ++resample) {
     Sums sums;
     for (std::size_t k = 0; k < others; ++k) {
@@ -226,11 +221,23 @@ Shrinkage Gap::shrinkage(const Rung& before, const Rung& after, const std::vecto
     if (any_shape && rng.uniform() > kFollowed) kept += kMisfit * std::exp(rng.normal());
     kept *= std::max(0.0, sums.before - sums.after) / sums.points;
     const double mean = sums.after / sums.points, expected = sums.expected / sums.points;
-    const double more = unexplained_ * std::max(0.0, mean - noise_.random - expected);
-    foretold.push_back(sums.shrinkage(expected + more + kept));
-    measured.push_back(sums.shrinkage(std::max(expected, mean - noise_.least * (1.0 + noise_.chance * rng.normal())) + kept));
+    // It is chance or it is not: half of it is neither.
+    const double more = rng.uniform() < unexplained_ ? std::max(0.0, mean - noise_.random - expected) : 0.0;
+    drawn.foretold.push_back(sums.shrinkage(expected + more + kept));
+    drawn.measured.push_back(sums.shrinkage(std::max(expected, mean - noise_.least * (1.0 + noise_.chance * rng.normal())) + kept));
   }
-  shrinkage.interval = {std::min(middle(foretold).first, middle(measured).first), middle(foretold).second};
+  return drawn;
+}
+
+Shrinkage Gap::shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks, const Rung& kept) const {
+  Shrinkage shrinkage;
+  Sums all;
+  for (std::size_t g = 0; g < before.poses.size(); ++g) all.add(before.poses[g], after.poses[g], expected_[g]);
+  if (!(all.points > 0.0)) return shrinkage;
+  shrinkage.value = all.shrinkage(std::max(0.0, meanSquare(after) - subtracted_));
+  Drawn low = drawn(before, after), high = drawn(before, kept);
+  shrinkage.interval = {std::min(middle(low.foretold).first, middle(low.measured).first),
+                        std::max(middle(low.foretold).second, middle(high.foretold).second)};
   for (const RungPair& block : blocks) shrinkage.interval.first = std::min(shrinkage.interval.first, lowerEnd(block));
   shrinkage.value = std::clamp(shrinkage.value, shrinkage.interval.first, shrinkage.interval.second);
   return shrinkage;
@@ -251,6 +258,8 @@ double Gap::lowerEnd(const RungPair& rungs) const {
   }
   return quantile(values, 0.025);
 }
+
+double rmsOf(const Rung& rung) { return std::sqrt(meanSquare(rung)); }
 
 double gain(const Rung& before, const Rung& after) {
   double sum = 0.0, squares = 0.0;

@@ -48,9 +48,15 @@ class Gap {
   /// measured, less the least noise, at their upper end, and the worst of the ways to hold out poses; the upper end may take them from the
   /// covariance of the last fit. Only where there are findings.
   /// @param blocks  the same two rungs with other poses held out together.
-  Shrinkage shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks) const;
+  /// @param kept  `after` with the waves that all poses chose, which the model has and which no pose can judge alone: for the upper end.
+  Shrinkage shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks, const Rung& kept) const;
 
  private:
+  /// Shrinkages as they may be foretold and measured, by poses drawn again.
+  struct Drawn {
+    std::vector<double> foretold, measured;
+  };
+  Drawn drawn(const Rung& before, const Rung& after) const;
   /// Lower end of the interval where the poses of `rungs` were held out together.
   double lowerEnd(const RungPair& rungs) const;
 
@@ -64,6 +70,9 @@ class Gap {
   double unexplained_ = 0.0;  ///< share of what is above all noise and the covariance that is no chance
   Rng resampling_;
 };
+
+/// Root mean square of a rung's points.
+double rmsOf(const Rung& rung);
 
 /// How much better off these poses themselves are with the one rung than with the other: their mean difference of squares in standard
 /// errors.

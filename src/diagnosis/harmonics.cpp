@@ -423,6 +423,13 @@ std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linear
   return candidates;
 }
 
+std::optional<Candidate> wavesAt(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,
+                                 std::size_t joint, std::size_t most) {
+  const auto path = WaveSearch(measured, linear, dictionary).path(joint, most);
+  if (path.waves.empty()) return {};
+  return candidateOf(joint, path.waves, 0.0, nullptr);
+}
+
 std::optional<Candidate> moreWaves(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,
                                    const Candidate& waves) {
   const std::size_t most = mostWaves(linear.rows.groups.size()), have = waves.curve->terms.size();

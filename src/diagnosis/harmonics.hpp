@@ -44,6 +44,10 @@ class WaveDictionary {
 std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,
                                       std::size_t most);
 
+/// The waves at a joint that serve best, at most so many; nothing where none is worth its price.
+std::optional<Candidate> wavesAt(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,
+                                 std::size_t joint, std::size_t most);
+
 /// A candidate of waves at a joint that is in the linearisation, with the further ones that are worth their price there; nothing where none
 /// is.
 std::optional<Candidate> moreWaves(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,

@@ -1,6 +1,7 @@
 #include "diagnosis/ladder.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "diagnosis/refit.hpp"
@@ -27,7 +28,7 @@ NoiseEstimate asCornerNoise(const Linearised& linear) {
 }  // namespace
 
 Ladder::Ladder(const Selection& selection, const MeasuredCell& all, const Identification& identification, int folds, std::uint64_t seed)
-    : selection_(selection), all_(all), identification_(identification) {
+    : selection_(selection), waves_(*selection.measured.start.arm, selection.measured.samples), all_(all), identification_(identification) {
   const std::set<std::size_t> bad(selection.bad.begin(), selection.bad.end());
   for (std::size_t k = 0; k < all.observations.size(); ++k) {
     every_.push_back(k);
@@ -117,18 +118,44 @@ std::vector<Rung> Ladder::geometricRungs() const {
 }
 
 Rung Ladder::identifiedRung(HeldOut kind) const {
-  return fitted("identified", kind, selection_.base, {}, {}, asCornerNoise(selection_.linear));
+  return fitted("identified", kind, selection_.base, {}, {}, asCornerNoise(selection_.linear), Waves::kKept);
 }
 
 Rung Ladder::fitted(const std::string& stage, HeldOut kind, const ModelState& start, const std::vector<Accepted>& accepted,
-                    const std::vector<std::size_t>& scatter, const NoiseEstimate& noise) const {
+                    const std::vector<std::size_t>& scatter, const NoiseEstimate& noise, Waves waves) const {
+  const bool anew = waves == Waves::kChosenAnew &&
+                    std::any_of(accepted.begin(), accepted.end(), [](const Accepted& one) { return one.candidate.isWaves(); });
   return judged(stage, kind, [&](const Groups& train) {
-    const Linearised linear = refit(selection_.measured, start, accepted, scatter, noise, train, false);
+    const std::vector<Accepted> taken = anew ? chosenAnew(start, accepted, scatter, noise, train) : accepted;
+    const Linearised linear = refit(selection_.measured, start, taken, scatter, noise, train, false);
     return Fitted{linear.state, linear.accepted};
   });
 }
 
-Rung Ladder::rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind) const {
+std::vector<Accepted> Ladder::chosenAnew(const ModelState& start, const std::vector<Accepted>& accepted,
+                                         const std::vector<std::size_t>& scatter, const NoiseEstimate& noise, const Groups& train) const {
+  std::vector<Accepted> all;
+  std::copy_if(accepted.begin(), accepted.end(), std::back_inserter(all), [](const Accepted& one) { return !one.candidate.isWaves(); });
+  const Linearised without = refit(selection_.measured, start, all, scatter, noise, train, false);
+  for (const Accepted& one : accepted) {
+    if (!one.candidate.isWaves()) continue;
+    Accepted made = one;
+    const std::size_t most = one.candidate.curve->terms.size();
+    std::optional<Candidate> waves = wavesAt(selection_.measured, without, waves_, one.candidate.curve->place.index, most);
+    if (!waves) continue;
+    made.candidate = std::move(*waves);
+    made.factors = Eigen::VectorXd::Zero(made.candidate.typical.size());
+    all.push_back(std::move(made));
+  }
+  return all;
+}
+
+bool Ladder::hasWaves() const {
+  return std::any_of(selection_.findings.begin(), selection_.findings.end(),
+                     [](const FoundEffect& found) { return found.accepted && found.accepted->candidate.isWaves(); });
+}
+
+Rung Ladder::rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind, Waves waves) const {
   std::vector<Accepted> accepted;
   std::vector<std::size_t> scatter;
   for (const std::size_t i : findings) {
@@ -141,10 +168,10 @@ Rung Ladder::rungWith(const std::string& stage, const std::vector<std::size_t>& 
   const auto all_scatter = std::count_if(selection_.findings.begin(), selection_.findings.end(), [](const auto& f) { return f.scatter; });
   // What a single pose is worth does not hang on which rung it judges: the noise is that of the whole model.
   if (static_cast<std::ptrdiff_t>(scatter.size()) == all_scatter)
-    return fitted(stage, kind, start, accepted, scatter, selection_.linear.noise);
+    return fitted(stage, kind, start, accepted, scatter, selection_.linear.noise, waves);
   // A joint that moves at random is noise itself: who does not know of it takes it for that of all joints.
   const Linearised without = refit(selection_.measured, start, accepted, scatter, selection_.base_noise, {}, true);
-  return fitted(stage, kind, start, accepted, scatter, without.noise);
+  return fitted(stage, kind, start, accepted, scatter, without.noise, waves);
 }
 
 }  // namespace poecal

@@ -8,9 +8,13 @@
 
 #include "diagnosis/folds.hpp"
 #include "diagnosis/gap.hpp"
+#include "diagnosis/harmonics.hpp"
 #include "diagnosis/selection.hpp"
 
 namespace poecal {
+
+/// By which waves poses are judged that their fit did not see: those that all poses chose, or some that were chosen without them.
+enum class Waves { kKept, kChosenAnew };
 
 class Ladder {
  public:
@@ -22,7 +26,9 @@ class Ladder {
   /// The identified model as `identify` makes it, which knows corners that are off by chance and nothing else, by other folds than its own.
   Rung identifiedRung(HeldOut kind) const;
   /// The identified model with some of the findings.
-  Rung rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind) const;
+  Rung rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind, Waves waves) const;
+  /// Whether there are waves among the findings: otherwise either choice of Waves gives the same.
+  bool hasWaves() const;
 
   /// The ways beside random ones in which poses can be held out. What moves with time asks for poses from before and after: stretches of
   /// time that are held out tell nothing of it.
@@ -38,7 +44,10 @@ class Ladder {
   template <typename Fit>
   Rung judged(const std::string& stage, HeldOut kind, Fit fit) const;
   Rung fitted(const std::string& stage, HeldOut kind, const ModelState& start, const std::vector<Accepted>& accepted,
-              const std::vector<std::size_t>& scatter, const NoiseEstimate& noise) const;
+              const std::vector<std::size_t>& scatter, const NoiseEstimate& noise, Waves waves) const;
+  /// What was taken up, with waves chosen anew by these poses.
+  std::vector<Accepted> chosenAnew(const ModelState& start, const std::vector<Accepted>& accepted, const std::vector<std::size_t>& scatter,
+                                   const NoiseEstimate& noise, const Groups& train) const;
   /// Folds of the identification, as numbers of groups; a pose that a fold splits goes with its first row.
   Folds identificationFolds() const;
   void addErrors(const MeasuredCell& measured, const Linearised& at, const std::vector<std::size_t>& numbers, ErrorCollector& errors) const;
@@ -46,6 +55,7 @@ class Ladder {
   Rung rungOf(const std::string& stage, const std::vector<RowErrors>& rows, const ErrorSummary& every_row) const;
 
   const Selection& selection_;
+  const WaveDictionary waves_;
   const MeasuredCell& all_;
   const Identification& identification_;
   std::vector<std::size_t> every_;  ///< numbers of all observations

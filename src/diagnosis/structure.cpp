@@ -1,0 +1,196 @@
+#include "diagnosis/structure.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "diagnosis/screening.hpp"
+#include "diagnosis/thresholds.hpp"
+
+namespace poecal {
+namespace {
+
+/// Structure that was found beside a harmonic of the same angle is one cause with it: what stands for both takes the place of both.
+void joinHarmonic(SearchState& search) {
+  const FoundEffect& last = search.selection.findings.back();
+  if (!last.isUnknown() || last.place.kind != PlaceKind::kJoint) return;
+  const auto same_angle = [&last](const FoundEffect& found) {
+    return found.accepted && found.accepted->candidate.known() && found.place == last.place && found.driver == last.driver &&
+           found.accepted->candidate.effect->kind().parameterOf(ParameterRole::kOrder);
+  };
+  const auto harmonic = std::find_if(search.selection.findings.begin(), search.selection.findings.end(), same_angle);
+  if (harmonic == search.selection.findings.end()) return;
+  const Place place = last.place;
+  const Driver driver = last.driver;
+  const std::vector<FoundEffect> before = search.selection.findings;
+  search.selection.findings.erase(harmonic);
+  search.selection.findings.pop_back();
+  search.refitAll();
+  const Ranking ranking = search.ranked();
+  for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
+    const RankedAnswer& answer = ranking.answers[i];
+    if (!answer.candidate || answer.candidate->known() || answer.place != place || answer.driver != driver) continue;
+    search.add(ranking, i);
+    return;
+  }
+  search.selection.findings = before;
+  search.refitAll();
+}
+
+/// Factors of waves among which there are some that were fitted already; zero of the others.
+Eigen::VectorXd factorsIn(const Candidate& waves, const Accepted& fitted) {
+  Eigen::VectorXd factors = Eigen::VectorXd::Zero(waves.typical.size());
+  Eigen::Index next = 0;
+  for (const AngleWave& wave : fitted.candidate.curve->terms) {
+    const auto at = std::find(waves.curve->terms.begin(), waves.curve->terms.end(), wave) - waves.curve->terms.begin();
+    factors.segment<2>(2 * at) = fitted.factors.segment<2>(next);
+    next += 2;
+  }
+  return factors;
+}
+
+/// What is driven by its joint's own angle and has more waves than the effect with a name, a saw, leaves its higher waves behind, which
+/// then look random. @return of the answers beside which nothing moves at random, the curve at the joint that serves better than the
+/// named one there does.
+std::optional<std::size_t> curveThatStandsForBoth(const Ranking& without, const RankedAnswer& named, const RankedAnswer& scatter) {
+  if (!named.candidate || !named.candidate->known() || named.place != scatter.place) return {};
+  std::optional<std::size_t> curve;
+  double of_named = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < without.answers.size(); ++i) {
+    const RankedAnswer& answer = without.answers[i];
+    if (!answer.candidate || answer.place != named.place || answer.driver != named.driver) continue;
+    if (answer.name == named.name) of_named = std::max(of_named, answer.log_weight);
+    if (!answer.candidate->known() && !curve) curve = i;
+  }
+  if (!curve || !(without.answers[*curve].log_weight > of_named + kSearch.structure)) return {};
+  return curve;
+}
+
+/// Log of the odds that a curve at a named effect's place still finds something with the effect in; 0 where there is nothing to say.
+double structureLeftAt(const SearchState& search, const RankedAnswer& named) {
+  if (named.candidate && !named.candidate->known()) return 0.0;
+  std::vector<Candidate> there;
+  for (const Candidate& candidate : search.selection.candidates) {
+    if (!candidate.known() && candidate.place == named.place) there.push_back(candidate);
+  }
+  double left = 0.0;
+  for (const Evidence& evidence : screen(search.linear, there)) left = std::max(left, evidence.log_bayes);
+  return left;
+}
+
+/// A named effect is not the cause where, with it in, a curve at the same place still finds structure: it is the nearest shape that has a
+/// name. @return the answer to give instead: the best curve there.
+std::optional<std::size_t> curveThatExplainsMore(const Ranking& ranking, const RankedAnswer& named, double left) {
+  if (!(left > kSearch.structure + kSearch.relative_misfit * named.chi_square)) return {};
+  for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
+    const RankedAnswer& answer = ranking.answers[i];
+    // A curve that explains clearly less is not what the named one stands for: then two effects are at one place.
+    if (answer.candidate && !answer.candidate->known() && answer.place == named.place && answer.log_weight > named.log_weight - left)
+      return i;
+  }
+  return {};
+}
+
+/// Structure of which each wave alone is less than a joint's random motion explains, and all of them are more: they show only one after the
+/// other, the later ones in the quiet that the earlier ones leave. @return whether there was any, which is taken in the scatter's place.
+bool takeWavesInstead(SearchState& search, const Ranking& without, const RankedAnswer& scatter) {
+  const auto waves = std::find_if(without.answers.begin(), without.answers.end(), [&scatter](const RankedAnswer& answer) {
+    return answer.candidate && answer.candidate->isWaves() && answer.place == scatter.place && answer.log_weight > kSearch.beside;
+  });
+  if (waves == without.answers.end()) return false;
+  const std::vector<FoundEffect> before = search.selection.findings;
+  const double likelihood_before = search.linear.logLikelihood();
+  takeUp(search, without, static_cast<std::size_t>(waves - without.answers.begin()));
+  growWaves(search);
+  FoundEffect& found = search.selection.findings.back();
+  const double weight = search.linear.logLikelihood() - likelihood_before + fittedShare(found.accepted->candidate);
+  if (!(weight > scatter.log_weight)) {
+    search.selection.findings = before;
+    search.refitAll();
+    return false;
+  }
+  found.ranking.answers.front().log_weight = weight;
+  found.ranking.sumUp();
+  return true;
+}
+
+}  // namespace
+
+void takeUp(SearchState& search, const Ranking& ranking, std::size_t chosen) {
+  search.add(ranking, chosen);
+  joinHarmonic(search);
+}
+
+bool takeStructureBeside(SearchState& search, const Ranking& without, const RankedAnswer& scatter) {
+  search.selection.findings.push_back(findingOf(scatter));
+  search.refitAll();
+  Ranking beside = search.ranked();
+  search.selection.findings.pop_back();
+  const std::size_t chosen = beside.answers.empty() ? 0 : chosenAnswer(beside);
+  const bool any = !beside.answers.empty() && beside.answers[chosen].candidate && beside.answers[chosen].log_weight > kSearch.beside;
+  if (!any) {
+    search.refitAll();
+    return takeWavesInstead(search, without, scatter);
+  }
+  if (const std::optional<std::size_t> more = curveThatStandsForBoth(without, beside.answers[chosen], scatter)) {
+    takeUp(search, without, *more);
+  } else {
+    takeUp(search, beside, chosen);
+  }
+  growWaves(search);
+  return true;
+}
+
+void preferCurve(SearchState& search, const Ranking& ranking, std::size_t named) {
+  const double left = structureLeftAt(search, ranking.answers[named]);
+  const std::optional<std::size_t> curve = curveThatExplainsMore(ranking, ranking.answers[named], left);
+  if (!curve) return;
+  search.selection.findings.pop_back();
+  // What is left beside the named one speaks against its being all that there is.
+  Ranking judged = ranking;
+  judged.answers[named].log_weight -= left;
+  judged.sumUp();
+  takeUp(search, judged, *curve);
+}
+
+void growWaves(SearchState& search) {
+  constexpr int kRounds = 4;
+  for (FoundEffect& found : search.selection.findings) {
+    for (int round = 0; round < kRounds && isWaves(found); ++round) {
+      std::optional<Candidate> more = moreWaves(search.selection.measured, search.linear, search.waves(), found.accepted->candidate);
+      if (!more) break;
+      found.driver = more->driver;
+      found.accepted->factors = factorsIn(*more, *found.accepted);
+      found.accepted->candidate = std::move(*more);
+      search.refitAll();
+    }
+  }
+}
+
+void splitIntoNames(SearchState& search) {
+  constexpr std::size_t kMost = 3;
+  std::vector<FoundEffect>& findings = search.selection.findings;
+  if (!isWaves(findings.back())) return;
+  const std::vector<AngleWave>& terms = findings.back().accepted->candidate.curve->terms;
+  const bool single = std::all_of(terms.begin(), terms.end(), [](const AngleWave& wave) { return wave.size() == 1; });
+  const std::size_t count = terms.size(), room = search.limits().most - findings.size() + 1;
+  if (!single || count < 2 || count > std::min(kMost, room)) return;
+  const double of_waves = search.linear.logLikelihood() + fittedShare(findings.back().accepted->candidate);
+  const std::vector<FoundEffect> before = findings;
+  findings.pop_back();
+  search.refitAll();
+  double shares = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Ranking ranking = search.ranked();
+    const auto named = std::find_if(ranking.answers.begin(), ranking.answers.end(), [](const RankedAnswer& answer) {
+      return answer.candidate && answer.candidate->known() && answer.log_weight > 0.0;
+    });
+    if (named == ranking.answers.end()) break;
+    shares += fittedShare(*named->candidate);
+    search.add(ranking, static_cast<std::size_t>(named - ranking.answers.begin()));
+  }
+  if (search.linear.logLikelihood() + shares > of_waves - kSearch.relative_misfit * before.back().chi_square) return;
+  findings = before;
+  search.refitAll();
+}
+
+}  // namespace poecal
