@@ -69,7 +69,7 @@ class Selector {
     takeUp(search_, ranking, chosen);
     if (!limits_.curves) return true;
     preferCurve(search_, ranking, chosen);
-    growWaves(search_);
+    growStructure(search_);
     splitIntoNames(search_);
     return true;
   }

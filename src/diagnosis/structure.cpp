@@ -1,6 +1,7 @@
 #include "diagnosis/structure.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "diagnosis/screening.hpp"
@@ -90,6 +91,59 @@ std::optional<std::size_t> curveThatExplainsMore(const Ranking& ranking, const R
   return {};
 }
 
+/// @return whether there were more waves at its joint
+bool growWaves(SearchState& search, FoundEffect& found) {
+  std::optional<Candidate> more = moreWaves(search.selection.measured, search.linear, search.waves(), found.accepted->candidate);
+  if (!more) return false;
+  found.driver = more->driver;
+  found.accepted->factors = factorsIn(*more, *found.accepted);
+  found.accepted->candidate = std::move(*more);
+  search.refitAll();
+  return true;
+}
+
+bool isSway(const FoundEffect& found) {
+  return found.accepted && found.accepted->candidate.curve && !found.accepted->candidate.curve->cycles.empty();
+}
+
+/// A sway with one more frequency, whose factors are zero.
+Accepted withFrequency(const Accepted& sway, double f) {
+  constexpr Eigen::Index kAxes = 6;
+  Accepted both = sway;
+  std::vector<double>& cycles = both.candidate.curve->cycles;
+  const auto at = cycles.insert(std::upper_bound(cycles.begin(), cycles.end(), f), f);
+  const Eigen::Index before = 2 * (at - cycles.begin()), old = sway.factors.size() / kAxes, all = old + 2;
+  both.candidate.typical.setConstant(kAxes * all, sway.candidate.typical(0));
+  both.factors.setZero(kAxes * all);
+  for (Eigen::Index axis = 0; axis < kAxes; ++axis) {
+    both.factors.segment(axis * all, before) = sway.factors.segment(axis * old, before);
+    both.factors.segment(axis * all + before + 2, old - before) = sway.factors.segment(axis * old + before, old - before);
+  }
+  return both;
+}
+
+/// @return whether another frequency was worth its price: that of a sway between two that are tried, or of one that is no pure wave
+bool growSway(SearchState& search, FoundEffect& found) {
+  const Candidate& sway = found.accepted->candidate;
+  const std::vector<double>& have = sway.curve->cycles;
+  std::vector<Candidate> more;
+  for (const Candidate& candidate : search.selection.candidates) {
+    const bool same = candidate.curve && candidate.curve->cycles.size() == 1 && candidate.place == sway.place &&
+                      candidate.moves_reference == sway.moves_reference;
+    if (same && std::find(have.begin(), have.end(), candidate.curve->cycles.front()) == have.end()) more.push_back(candidate);
+  }
+  if (more.empty()) return false;
+  const std::vector<Evidence> evidence = screen(search.linear, more);
+  const auto best =
+      std::max_element(evidence.begin(), evidence.end(), [](const Evidence& a, const Evidence& b) { return a.log_bayes < b.log_bayes; });
+  const double price = std::log(static_cast<double>(more.size()));
+  if (!(best->log_bayes > price + kSearch.needed)) return false;
+  found.accepted = withFrequency(*found.accepted, more[static_cast<std::size_t>(best - evidence.begin())].curve->cycles.front());
+  found.accepted->candidate.log_prior -= price;
+  search.refitAll();
+  return true;
+}
+
 /// Structure of which each wave alone is less than a joint's random motion explains, and all of them are more: they show only one after the
 /// other, the later ones in the quiet that the earlier ones leave. @return whether there was any, which is taken in the scatter's place.
 bool takeWavesInstead(SearchState& search, const Ranking& without, const RankedAnswer& scatter) {
@@ -100,7 +154,7 @@ bool takeWavesInstead(SearchState& search, const Ranking& without, const RankedA
   const std::vector<FoundEffect> before = search.selection.findings;
   const double likelihood_before = search.linear.logLikelihood();
   takeUp(search, without, static_cast<std::size_t>(waves - without.answers.begin()));
-  growWaves(search);
+  growStructure(search);
   FoundEffect& found = search.selection.findings.back();
   const double weight = search.linear.logLikelihood() - likelihood_before + fittedShare(found.accepted->candidate);
   if (!(weight > scatter.log_weight)) {
@@ -136,7 +190,7 @@ bool takeStructureBeside(SearchState& search, const Ranking& without, const Rank
   } else {
     takeUp(search, beside, chosen);
   }
-  growWaves(search);
+  growStructure(search);
   return true;
 }
 
@@ -152,16 +206,14 @@ void preferCurve(SearchState& search, const Ranking& ranking, std::size_t named)
   takeUp(search, judged, *curve);
 }
 
-void growWaves(SearchState& search) {
+void growStructure(SearchState& search) {
   constexpr int kRounds = 4;
   for (FoundEffect& found : search.selection.findings) {
     for (int round = 0; round < kRounds && isWaves(found); ++round) {
-      std::optional<Candidate> more = moreWaves(search.selection.measured, search.linear, search.waves(), found.accepted->candidate);
-      if (!more) break;
-      found.driver = more->driver;
-      found.accepted->factors = factorsIn(*more, *found.accepted);
-      found.accepted->candidate = std::move(*more);
-      search.refitAll();
+      if (!growWaves(search, found)) break;
+    }
+    for (int round = 0; round < kRounds && isSway(found); ++round) {
+      if (!growSway(search, found)) break;
     }
   }
 }

@@ -19,8 +19,9 @@ bool takeStructureBeside(SearchState& search, const Ranking& without, const Rank
 /// @param ranking, named  that it was taken from
 void preferCurve(SearchState& search, const Ranking& ranking, std::size_t named);
 
-/// Further waves at the joints at which there are some: with those in, the noise is less and more of them show.
-void growWaves(SearchState& search);
+/// Further waves at the joints at which there are some, and further frequencies of mounts that sway: with those in, the noise is less and
+/// more of them show.
+void growStructure(SearchState& search);
 
 /// A few waves of one angle each that were taken last, together, may be as many effects that have names: these are the answer where they
 /// serve as well.

@@ -140,12 +140,18 @@ UrdfFile::UrdfFile(const std::filesystem::path& file) : file_(file) {
 }
 
 void UrdfFile::requireNames() const {
-  const auto require = [&](const char* tag, const std::string& name) {
-    if (element(tag, name) != nullptr) return;
-    fail(fmt::format("{} '{}' has a name that readers of XML disagree about, expected plain letters", tag, name));
+  const auto require = [&](const char* tag, const auto& of_urdfdom) {
+    std::set<std::string> names;
+    for (const auto* each = xml_.RootElement()->FirstChildElement(tag); each != nullptr; each = each->NextSiblingElement(tag)) {
+      if (const char* name = each->Attribute("name")) names.insert(name);
+    }
+    for (const auto& [name, one] : of_urdfdom) {
+      if (names.contains(name)) continue;
+      fail(fmt::format("{} '{}' has a name that readers of XML disagree about, expected plain letters", tag, name));
+    }
   };
-  for (const auto& entry : model_->links_) require("link", entry.first);
-  for (const auto& entry : model_->joints_) require("joint", entry.first);
+  require("link", model_->links_);
+  require("joint", model_->joints_);
 }
 
 void UrdfFile::requireTree() const {

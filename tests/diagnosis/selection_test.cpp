@@ -56,25 +56,5 @@ TEST(Selection, WildRowsAreTakenOutAndListed) {
   EXPECT_EQ(selection.measured.observations.size(), static_cast<std::size_t>(kPoses - 1));
 }
 
-/// Estimates over seeds scatter as their own deviations say.
-TEST(FoundModel, DeviationsAreThoseOfTheEstimates) {
-  constexpr double kGain = 4e-3;
-  double sum = 0.0;
-  constexpr int kSeeds = 12;
-  for (int seed = 0; seed < kSeeds; ++seed) {
-    const MeasuredCell measured =
-        test::smallCell(500 + static_cast<std::uint64_t>(seed), kPoses, kSigma, {{"joint_gain", "joint:3", {{"gain", kGain}}}}).measured();
-    const Selection selection = selectEffects(measured, test::nominalState(measured), {}, {.most = 1});
-    ASSERT_EQ(namesOf(selection), std::vector<std::string>{"joint_gain@joint:3"});
-    const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
-    ASSERT_THAT(deviations, SizeIs(1));
-    const double off = (selection.findings.front().accepted->factors(0) - kGain) / deviations.front()(0);
-    sum += off * off;
-  }
-  // Chi-square of 12: from 3.07 to 28.3 in 998 of 1,000.
-  EXPECT_GT(sum, 2.2);
-  EXPECT_LT(sum, 32.9);
-}
-
 }  // namespace
 }  // namespace poecal

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# tests/withheld/run.sh [CASES [SEED]]: the withheld check. Makes CASES cases (400) of every set, half of that of the harder ones, whose unlisted
-# structure is of the family of generators that no number of the program was set on, a twentieth with pictures and a tenth injected into the real recordings of $POECAL_REAL_DIR (../shared/real) where these are there, from a seed drawn now (or SEED), lets
-# `poecal diagnose` answer them, opens the truths and prints the tables. Folder of the cases: $WITHHELD_DIR, or a new one under /tmp.
+# tests/withheld/run.sh [CASES [SEED]]: the withheld check. Makes CASES cases (400) of every set and half as many of the harder ones, from a
+# seed drawn now (or SEED). A twentieth have pictures; a tenth are effects brought into the real recordings of $POECAL_REAL_DIR
+# (../shared/real) where these are there. Unlisted structure is of the family of generators that no number of the program was set on. Then
+# `poecal diagnose` answers them, the truths are opened and the tables printed. Folder of the cases: $WITHHELD_DIR, or a new one under /tmp.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
