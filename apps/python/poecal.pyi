@@ -586,6 +586,8 @@ class Diagnosis:
     not_testable: Final[tuple[NotTestable, ...]]
     bad_samples: Final[tuple[BadSample, ...]]
     model: Final[Model]
+    def isClean(self) -> bool: ...
+    is_clean = isClean
     def noiseKnown(self) -> bool: ...
     noise_known = noiseKnown
 
@@ -635,6 +637,7 @@ class ResultSummary:
     verdict: Final[str | None]
     why: Final[str]
     findings: Final[tuple[FindingSummary, ...]]
+    structure_left: Final[bool]
     diagnosed: Final[StageErrors | None]
     shrinkage: Final[float | None]
     shrinkage_low: Final[float | None]

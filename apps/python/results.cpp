@@ -174,6 +174,7 @@ void bindDiagnosis(py::module_& module) {
       .result("not_testable", &Diagnosis::not_testable)
       .result("bad_samples", &Diagnosis::bad_samples)
       .result("model", &Diagnosis::model)
+      .def("isClean", &Diagnosis::isClean)
       .def("noiseKnown", &Diagnosis::noiseKnown);
   module.def("diagnosisText", diagnosisText, py::arg("diagnosis"), py::arg("samples"), "The diagnosis in sentences.");
   module.def("explainEffect", explainEffect, py::arg("diagnosis"), py::arg("effect"), "Why an effect was or was not chosen.");
@@ -207,6 +208,7 @@ void bindSummary(py::module_& module) {
       .result("verdict", &ResultSummary::verdict)
       .result("why", &ResultSummary::why)
       .result("findings", &ResultSummary::findings)
+      .result("structure_left", &ResultSummary::structure_left)
       .result("diagnosed", &ResultSummary::diagnosed)
       .result("shrinkage", &ResultSummary::shrinkage)
       .result("shrinkage_low", &ResultSummary::shrinkage_low)
