@@ -151,19 +151,21 @@ Climbed climb(const Selection& selection, const MeasuredCell& measured, const Id
     rungs.push_back(rungOf(rungName(selection, identified.stage, taken), taken, Waves::kChosenAnew));
   }
   const Rung& all = rungs.back();
-  const Rung kept = choices > 1 ? rungOf("", taken, Waves::kKept) : all;
+  std::optional<Rung> with_waves;
+  if (choices > 1) with_waves = rungOf("", taken, Waves::kKept);
+  const Rung& kept = with_waves ? *with_waves : all;
   const MeasurementNoise noise = measurementNoise(selection.measured, selection.linear, identification.sigmas_stated);
   const Gap gap(selection, noise, rungs, options.seed);
   diagnosis.noise_source = noise.source;
   tellGap(gap, rungs, diagnosis);
-  if (findings > 0) diagnosis.shrinkage = gap.shrinkage(identified, all, blockRungs(ladder, taken, progress), kept);
+  if (findings > 0) diagnosis.shrinkage = gap.shrinkage(identified, all, blockRungs(ladder, taken, progress), with_waves);
   Climbed climbed;
   for (std::size_t i = 0; i < findings; ++i) {
     std::vector<std::size_t> others = taken;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const Rung without = others.empty() ? identified : rungOf("", others, Waves::kChosenAnew);
     const Rung without_kept = others.empty() || choices == 1 ? without : rungOf("", others, Waves::kKept);
-    diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : gap.shrinkage(without, all, {}, kept);
+    diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : gap.shrinkage(without, all, {}, with_waves);
     climbed.serves.push_back(servesOthers(selection.findings[i], gain(without_kept, kept)));
   }
   constexpr double kBeyondChance = 1.05;

@@ -229,15 +229,19 @@ Gap::Drawn Gap::drawn(const Rung& before, const Rung& after) const {
   return drawn;
 }
 
-Shrinkage Gap::shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks, const Rung& kept) const {
+Shrinkage Gap::shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks,
+                         const std::optional<Rung>& kept) const {
   Shrinkage shrinkage;
   Sums all;
   for (std::size_t g = 0; g < before.poses.size(); ++g) all.add(before.poses[g], after.poses[g], expected_[g]);
   if (!(all.points > 0.0)) return shrinkage;
   shrinkage.value = all.shrinkage(std::max(0.0, meanSquare(after) - subtracted_));
-  Drawn low = drawn(before, after), high = drawn(before, kept);
-  shrinkage.interval = {std::min(middle(low.foretold).first, middle(low.measured).first),
-                        std::max(middle(low.foretold).second, middle(high.foretold).second)};
+  Drawn judged = drawn(before, after);
+  shrinkage.interval = {std::min(middle(judged.foretold).first, middle(judged.measured).first), middle(judged.foretold).second};
+  if (kept) {
+    Drawn best = drawn(before, *kept);
+    shrinkage.interval.second = std::max(shrinkage.interval.second, middle(best.foretold).second);
+  }
   for (const RungPair& block : blocks) shrinkage.interval.first = std::min(shrinkage.interval.first, lowerEnd(block));
   shrinkage.value = std::clamp(shrinkage.value, shrinkage.interval.first, shrinkage.interval.second);
   return shrinkage;

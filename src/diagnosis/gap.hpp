@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,7 +50,8 @@ class Gap {
   /// covariance of the last fit. Only where there are findings.
   /// @param blocks  the same two rungs with other poses held out together.
   /// @param kept  `after` with the waves that all poses chose, which the model has and which no pose can judge alone: for the upper end.
-  Shrinkage shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks, const Rung& kept) const;
+  /// Nothing where there are no waves.
+  Shrinkage shrinkage(const Rung& before, const Rung& after, const std::vector<RungPair>& blocks, const std::optional<Rung>& kept) const;
 
  private:
   /// Shrinkages as they may be foretold and measured, by poses drawn again.

@@ -28,7 +28,8 @@ NoiseEstimate asCornerNoise(const Linearised& linear) {
 }  // namespace
 
 Ladder::Ladder(const Selection& selection, const MeasuredCell& all, const Identification& identification, int folds, std::uint64_t seed)
-    : selection_(selection), waves_(*selection.measured.start.arm, selection.measured.samples), all_(all), identification_(identification) {
+    : selection_(selection), all_(all), identification_(identification) {
+  if (hasWaves()) waves_.emplace(*selection.measured.start.arm, selection.measured.samples);
   const std::set<std::size_t> bad(selection.bad.begin(), selection.bad.end());
   for (std::size_t k = 0; k < all.observations.size(); ++k) {
     every_.push_back(k);
@@ -141,7 +142,7 @@ std::vector<Accepted> Ladder::chosenAnew(const ModelState& start, const std::vec
     if (!one.candidate.isWaves()) continue;
     Accepted made = one;
     const std::size_t most = one.candidate.curve->terms.size();
-    std::optional<Candidate> waves = wavesAt(selection_.measured, without, waves_, one.candidate.curve->place.index, most);
+    std::optional<Candidate> waves = wavesAt(selection_.measured, without, *waves_, one.candidate.curve->place.index, most);
     if (!waves) continue;
     made.candidate = std::move(*waves);
     made.factors = Eigen::VectorXd::Zero(made.candidate.typical.size());

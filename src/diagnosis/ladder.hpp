@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,7 +56,7 @@ class Ladder {
   Rung rungOf(const std::string& stage, const std::vector<RowErrors>& rows, const ErrorSummary& every_row) const;
 
   const Selection& selection_;
-  const WaveDictionary waves_;
+  std::optional<WaveDictionary> waves_;  ///< to choose from; where there are waves among the findings
   const MeasuredCell& all_;
   const Identification& identification_;
   std::vector<std::size_t> every_;  ///< numbers of all observations

@@ -66,6 +66,7 @@ bool anyFinding(const Scored& s) { return s.verdict.findings > 0; }
 bool noFinding(const Scored& s) { return s.verdict.findings == 0; }
 bool wrongName(const Scored& s) { return s.verdict.wrong_names > 0; }
 bool extra(const Scored& s) { return s.verdict.extras > 0; }
+bool falseExtra(const Scored& s) { return extra(s) || wrongName(s); }
 
 void Figures::add(const std::string& set, const std::string& question, const Cases& cases, const Test& test, const std::string& wanted) {
   if (!cases.empty()) text_ += fmt::format("| {} | {} | {} | {} |\n", set, question, share(countOf(cases, test), cases.size()), wanted);

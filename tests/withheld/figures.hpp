@@ -36,6 +36,8 @@ bool anyFinding(const Scored& s);
 bool noFinding(const Scored& s);
 bool wrongName(const Scored& s);
 bool extra(const Scored& s);
+/// A finding beyond those that are hidden, or one of another name.
+bool falseExtra(const Scored& s);
 
 /// A table whose rows are what was asked, what came out and what is wanted.
 class Figures {

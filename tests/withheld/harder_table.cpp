@@ -88,8 +88,7 @@ void addHarder(Figures& figures, const std::vector<Scored>& cases) {
   const Cases triple = ofSet(cases, "triple");
   figures.add("triple", "all three right", triple, allRight, "");
   figures.add("triple", "all three right, or of a class that is named together", triple, allInClass, "");
-  figures.add(
-      "triple", "false extra", triple, [](const Scored& s) { return extra(s) || wrongName(s); }, "<= 3 %");
+  figures.add("triple", "false extra", triple, falseExtra, "<= 3 %");
   const Cases bare = ofSet(cases, "bare");
   figures.add("bare", "right effect and place", bare, allRight, "");
   figures.add(

@@ -122,11 +122,7 @@ Flaw fastFlaw(const Cell& cell, const std::vector<Shot>& shots, Family family, C
     };
     return mountFlaw(second ? "folded sway" : "sway", chance.happens(0.5), shots, wave, chance);
   }
-  std::vector<std::size_t> turning;
-  for (std::size_t k = 0; k < cell.arm.size(); ++k) {
-    if (!cell.arm.joints[k].slides) turning.push_back(k);
-  }
-  const std::size_t k = chance.oneOf(turning);
+  const std::size_t k = chance.oneOf(turningJoints(cell));
   const auto K = static_cast<Eigen::Index>(k);
   const Joint& joint = cell.arm.joints[k];
   const double low = joint.low, range = joint.high - joint.low;

@@ -18,10 +18,7 @@ struct Cast {
 };
 
 Cast drawCast(const Cell& cell, Chance& chance) {
-  std::vector<std::size_t> turning;
-  for (std::size_t k = 0; k < cell.arm.size(); ++k) {
-    if (!cell.arm.joints[k].slides) turning.push_back(k);
-  }
+  std::vector<std::size_t> turning = turningJoints(cell);
   Cast cast;
   cast.at = chance.oneOf(turning);
   while (turning.size() > 3) turning.erase(turning.begin() + static_cast<std::ptrdiff_t>(chance.index(turning.size())));

@@ -17,6 +17,14 @@ Flaw jointFlaw(const std::string& effect, std::size_t k, const std::string& driv
           yields};
 }
 
+std::vector<std::size_t> turningJoints(const Cell& cell) {
+  std::vector<std::size_t> turning;
+  for (std::size_t k = 0; k < cell.arm.size(); ++k) {
+    if (!cell.arm.joints[k].slides) turning.push_back(k);
+  }
+  return turning;
+}
+
 std::vector<std::size_t> loadedJoints(const Cell& cell, const std::vector<Shot>& shots) {
   constexpr double kLeast = 1.0;  // standard deviation [N m]
   std::vector<std::size_t> loaded;

@@ -13,6 +13,9 @@ namespace withheld {
 Flaw jointFlaw(const std::string& effect, std::size_t k, const std::string& driver, std::function<double(const Shot&, const Loads&)> shape,
                bool yields);
 
+/// Joints that do not slide.
+std::vector<std::size_t> turningJoints(const Cell& cell);
+
 /// Joints whose torque changes enough over the shots to drive anything.
 std::vector<std::size_t> loadedJoints(const Cell& cell, const std::vector<Shot>& shots);
 
