@@ -12,6 +12,7 @@
 #include "poecal/core/statistics.hpp"
 #include "poecal/registration/implausible.hpp"
 #include "registration/mistakes.hpp"
+#include "registration/moved_once.hpp"
 #include "registration/row_order.hpp"
 #include "registration/target_size.hpp"
 
@@ -54,9 +55,11 @@ constexpr double kMendsCalibrated = 0.2;
 constexpr double kOtherArm = 3.0;
 // Times the pictures' own floor: within it there is nothing to explain.
 constexpr double kNothing = 3.0;
-// Rows beside the pictures of others: beyond so many times the median, of so many rows.
-constexpr double kBeside = 5.0;
+// Rows beside the pictures of others, or of a camera that stood elsewhere: so many rows beyond kBeside.
 constexpr double kManyBeside = 0.2;
+// Two registrations leave no more rows beside them than this, and no more in the others than this many times what one leaves in most rows.
+constexpr double kFewBeside = 0.1;
+constexpr double kAsMostRows = 2.0;
 // Of two mistakes that explain as much with the arm's errors taken out, the share of the other's misfit at which one stands before it.
 constexpr double kFarBetter = 0.5;
 constexpr std::size_t kRows = 40;
@@ -91,17 +94,30 @@ std::vector<Mistake> mistakesOf(const Problem& few, const std::vector<Observatio
   return all;
 }
 
-Suspicion suspicionOf(const MispairedRows& rows, const Problem& few) {
+Suspicion suspicionOf(const std::string& text, std::optional<std::size_t> sample, double misfit, const Problem& few) {
   const bool poses = few.observations.front().pose.has_value();
-  return {rows.text,   InputPart::kSamples, rows.sample,
-          rows.misfit, rows.misfit,         fmt::format("{:.4g} {}", rows.misfit, poses ? "of their deviations" : "px")};
+  return {text, InputPart::kSamples, sample, misfit, misfit, fmt::format("{:.4g} {}", misfit, poses ? "of their deviations" : "px")};
+}
+
+Suspicion suspicionOf(const MispairedRows& rows, const Problem& few) { return suspicionOf(rows.text, rows.sample, rows.misfit, few); }
+
+Suspicion suspicionOf(const MovedOnce& moved, const Problem& few) {
+  return suspicionOf("from about this row on the camera or the target stands elsewhere than before: expected a capture in which both stay",
+                     moved.sample, moved.misfit, few);
 }
 
 /// The search over single mistakes in one capture.
 class MistakeSearch {
  public:
   MistakeSearch(const Problem& few, const Registration& registration, double misfit, double chance)
-      : few_(few), misfit_(misfit), chance_(chance), calibrated_(calibrate(few, registration)) {}
+      : few_(few), misfit_(misfit), chance_(chance), calibrated_(calibrate(few, registration)), moved_(findMove(few)) {
+    if (moved_ && !explains(moved_->misfit)) moved_.reset();
+  }
+
+  /// A camera or target that was moved once explains it, and no mistake does so clearly better.
+  std::optional<MovedOnce> moved() const {
+    return moved_ && !(best_ && best_->misfit < kClearlyBetter * moved_->misfit) ? moved_ : std::nullopt;
+  }
 
   /// The arm's own errors explain everything, down to such a misfit.
   bool armExplains(double misfit) const { return calibrated_.misfit <= misfit && calibrated_.deviation <= kOtherArm; }
@@ -185,6 +201,7 @@ class MistakeSearch {
   const Problem& few_;
   double misfit_, chance_;
   Calibrated calibrated_;
+  std::optional<MovedOnce> moved_;
   std::optional<Suspicion> best_;
 };
 
@@ -226,6 +243,9 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
   const std::optional<MispairedRows> mispaired = findMispairedRows(cell, observations, samples, few);
   if (!suspicious) {
     if (mispaired) refuse(suspicionOf(*mispaired, few), stated);
+    // With an arm it is an effect like others, which a diagnosis names.
+    const std::optional<MovedOnce> moved = cell.arm ? std::nullopt : findMove(few);
+    if (moved && moved->beside < kFewBeside && moved->misfit <= kAsMostRows * found.misfit) refuse(suspicionOf(*moved, few), stated);
     return;
   }
   MistakeSearch search(few, found.fit.cell.registration, found.misfit, chance);
@@ -233,6 +253,10 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
   if (mispaired) search.considerRows(*mispaired);
   search.tryAll(mistakesOf(few, observations));
   search.trySizes();
+  if (const std::optional<MovedOnce> moved = search.moved()) {
+    if (cell.arm) return;
+    refuse(suspicionOf(*moved, few), stated);
+  }
   if (search.best()) refuse(*search.best(), stated);
   if (std::isfinite(found.misfit) && found.misfit < kHopeless * chance) return;
   throw ImplausibleCapture(

@@ -8,6 +8,9 @@
 
 namespace poecal {
 
+// A row that leaves more than this many times the median stands beside a registration.
+constexpr double kBeside = 5.0;
+
 struct Problem {
   Cell cell;
   std::vector<Observation> observations;

@@ -196,6 +196,26 @@ MadeCapture makeCapture(const CaptureKind& kind, Rng& rng) {
   return made;
 }
 
+MadeCapture movedFrom(const MadeCapture& capture, std::size_t row, const Eigen::Isometry3d& T_new_old) {
+  MadeCapture moved = capture;
+  for (std::size_t k = row; k < moved.observations.size(); ++k) {
+    Observation& observation = moved.observations[k];
+    if (observation.pose) {
+      observation.pose->T_camera_target = T_new_old * observation.pose->T_camera_target;
+      continue;
+    }
+    const Eigen::Isometry3d T_base_flange =
+        observation.T_base_flange ? *observation.T_base_flange : forwardKinematics(*capture.truth.arm, observation.q);
+    const Eigen::Isometry3d T_camera_target = capture.truth.registration.cameraTarget(T_base_flange);
+    for (CornerMeasurement& corner : observation.corners) {
+      const Eigen::Vector3d p_camera = T_camera_target * corner.p_target;
+      const auto before = project(*capture.truth.camera, p_camera), after = project(*capture.truth.camera, T_new_old * p_camera);
+      corner.px += *after - *before;
+    }
+  }
+  return moved;
+}
+
 Said said(const MadeCapture& capture) {
   try {
     if (capture.observations.front().pose) {

@@ -36,6 +36,9 @@ struct MadeCapture {
 /// Always the same for a kind and a state of the generator.
 MadeCapture makeCapture(const CaptureKind& kind, Rng& rng);
 
+/// The capture with the camera moved by T_new_old from a row on.
+MadeCapture movedFrom(const MadeCapture& capture, std::size_t row, const Eigen::Isometry3d& T_new_old);
+
 /// What is said of a capture: an error's message, or its warnings; empty where there is nothing to say.
 struct Said {
   bool refused = false;

@@ -33,6 +33,33 @@ TEST(Plausibility, LooseArmsAndFewPicturesPass) {
   }
 }
 
+TEST(Plausibility, ACameraThatMovedOnceIsNoMistakeInTheInputWhereAnArmIsDiagnosed) {
+  Rng rng = test::rngOfThisTest();
+  // In the middle neither half is the majority, which is hardest.
+  constexpr std::size_t kMiddle = 20;
+  for (const CaptureKind& kind : {CaptureKind{"elbow"}, CaptureKind{"shoulder", Setup::kEyeInHand},
+                                  CaptureKind{"seven", Setup::kEyeToHand, Readings::kJoints, View::kLookAt}, CaptureKind{"scara"},
+                                  CaptureKind{"elbow", Setup::kEyeToHand, Readings::kTracker}}) {
+    for (const double size : {0.01, 0.05, 0.2, 0.2, 0.2}) {
+      const Said answer = said(movedFrom(makeCapture(kind, rng), kMiddle, test::randomPose(rng, size, size)));
+      EXPECT_FALSE(answer.refused) << nameOf(kind) << ", moved by " << size << ": " << answer.message;
+    }
+  }
+}
+
+TEST(Plausibility, ACameraThatMovedOnceIsSaidWherePosesAreGiven) {
+  Rng rng = test::rngOfThisTest();
+  for (const CaptureKind& kind :
+       {CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses}, CaptureKind{"seven", Setup::kEyeToHand, Readings::kFlangePoses}}) {
+    for (const double size : {0.1, 0.2}) {
+      const auto row = 14 + rng.below(12);
+      const Said answer = said(movedFrom(makeCapture(kind, rng), row, test::randomPose(rng, size, size)));
+      EXPECT_TRUE(answer.refused) << nameOf(kind) << ", moved by " << size << " from row " << row;
+      EXPECT_THAT(answer.message, HasSubstr("stands elsewhere than before"));
+    }
+  }
+}
+
 TEST(Plausibility, RowsOfOtherPicturesAreRefusedWithoutAGuess) {
   Rng rng = test::rngOfThisTest();
   for (const View view : {View::kWide, View::kLookAt}) {
