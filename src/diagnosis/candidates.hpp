@@ -23,6 +23,7 @@ struct Curve {
   int orders = 0;                     ///< lens only: waves along u and v in all
   std::vector<double> cycles = {};    ///< mounts only: sways that come and go so often over the range, in place of `waves`
   std::vector<AngleWave> terms = {};  ///< joint only: waves of several angles, in place of those of one driver; ascending
+  bool smooth = false;                ///< `terms` stand for all smooth functions of their angles; none was chosen by what it explains
 };
 
 /// Where a candidate enters the cell. Its action there is what each of its columns does, in an observation: one number where it turns a

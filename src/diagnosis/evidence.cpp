@@ -101,6 +101,14 @@ const std::vector<double>& evidenceScales() {
   return scales;
 }
 
+double logSumExp(const std::vector<double>& values) {
+  if (values.empty()) return -std::numeric_limits<double>::infinity();
+  const double largest = *std::max_element(values.begin(), values.end());
+  double sum = 0.0;
+  for (const double value : values) sum += std::exp(value - largest);
+  return largest + std::log(sum);
+}
+
 Eigen::VectorXd fittedSpread(const Accepted& one) {
   constexpr double kWide = 10.0;
   Eigen::VectorXd sigma = one.candidate.spread(one.scale, one.factors.head(one.candidate.own()).cwiseAbs());

@@ -81,6 +81,9 @@ double smallestSeen(double information);
 /// Evidence of a candidate, from what all else leaves of its columns' information S and score u.
 Evidence evidenceOf(const Eigen::MatrixXd& S, const Eigen::VectorXd& u, const Candidate& candidate);
 
+/// ln(sum exp(v)); -infinity of nothing.
+double logSumExp(const std::vector<double>& values);
+
 /// Sizes in units of the typical over which evidence is averaged.
 const std::vector<double>& evidenceScales();
 

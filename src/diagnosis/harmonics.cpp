@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "diagnosis/thresholds.hpp"
-#include "diagnosis/wave_folds.hpp"
 #include "poecal/core/parallel.hpp"
 
 namespace poecal {
@@ -146,8 +145,9 @@ class Waves {
 /// The search at one linearisation.
 class WaveSearch {
  public:
-  WaveSearch(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary)
-      : linear_(linear), waves_(dictionary, linear), folds_(measured, linear) {
+  /// @param folds  outlive this, as all do.
+  WaveSearch(const WaveFolds& folds, const Linearised& linear, const WaveDictionary& dictionary)
+      : linear_(linear), waves_(dictionary, linear), folds_(folds) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> known(linear.noise.covariance);
     const Eigen::MatrixXd root = known.eigenvectors() * known.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
     for (std::size_t k = 0; k < folds_.joints(); ++k) {
@@ -283,7 +283,7 @@ class WaveSearch {
 
   const Linearised& linear_;
   Waves waves_;
-  WaveFolds folds_;
+  const WaveFolds& folds_;
   std::vector<Port> ports_;
 };
 
@@ -404,10 +404,10 @@ WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& sample
   }
 }
 
-std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,
+std::vector<Candidate> waveCandidates(const WaveFolds& ports, const Linearised& linear, const WaveDictionary& dictionary,
                                       std::size_t most) {
   if (dictionary.common().empty()) return {};
-  const WaveSearch search(measured, linear, dictionary);
+  const WaveSearch search(ports, linear, dictionary);
   std::vector<Candidate> candidates;
   // Joints beside the one at which it is see some of it too; beyond a few they are not the answer.
   constexpr std::size_t kJoints = 3;
@@ -425,7 +425,8 @@ std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linear
 
 std::optional<Candidate> wavesAt(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,
                                  std::size_t joint, std::size_t most) {
-  const auto path = WaveSearch(measured, linear, dictionary).path(joint, most);
+  const WaveFolds ports(measured, linear);
+  const auto path = WaveSearch(ports, linear, dictionary).path(joint, most);
   if (path.waves.empty()) return {};
   return candidateOf(joint, path.waves, 0.0, nullptr);
 }
@@ -433,8 +434,10 @@ std::optional<Candidate> wavesAt(const MeasuredCell& measured, const Linearised&
 std::optional<Candidate> moreWaves(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,
                                    const Candidate& waves) {
   const std::size_t most = mostWaves(linear.rows.groups.size()), have = waves.curve->terms.size();
-  if (have >= most) return {};
-  const auto path = WaveSearch(measured, linear, dictionary).path(waves.curve->place.index, most - have);
+  // A smooth field is all of its waves already.
+  if (have >= most || waves.curve->smooth) return {};
+  const WaveFolds ports(measured, linear);
+  const auto path = WaveSearch(ports, linear, dictionary).path(waves.curve->place.index, most - have);
   if (path.waves.empty()) return {};
   return candidateOf(waves.curve->place.index, path.waves, 0.0, &waves);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnosis/evidence.hpp"
+#include "diagnosis/wave_folds.hpp"
 
 namespace poecal {
 
@@ -41,8 +42,7 @@ class WaveDictionary {
 /// Waves are taken one after the other, the best first, each beside those before it, as long as the evidence pays the price, there is not
 /// more than one for eight poses, and stretches of poses that are left out are explained better.
 /// @param most  waves of one candidate.
-std::vector<Candidate> waveCandidates(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,
-                                      std::size_t most);
+std::vector<Candidate> waveCandidates(const WaveFolds& ports, const Linearised& linear, const WaveDictionary& dictionary, std::size_t most);
 
 /// The waves at a joint that serve best, at most so many; nothing where none is worth its price.
 std::optional<Candidate> wavesAt(const MeasuredCell& measured, const Linearised& linear, const WaveDictionary& dictionary,

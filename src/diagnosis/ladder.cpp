@@ -25,6 +25,9 @@ NoiseEstimate asCornerNoise(const Linearised& linear) {
   return white;
 }
 
+/// Waves that were chosen among many by what they explain of these very poses.
+bool wasChosen(const Accepted& one) { return one.candidate.isWaves() && !one.candidate.curve->smooth; }
+
 }  // namespace
 
 Ladder::Ladder(const Selection& selection, const MeasuredCell& all, const Identification& identification, int folds, std::uint64_t seed)
@@ -124,8 +127,7 @@ Rung Ladder::identifiedRung(HeldOut kind) const {
 
 Rung Ladder::fitted(const std::string& stage, HeldOut kind, const ModelState& start, const std::vector<Accepted>& accepted,
                     const std::vector<std::size_t>& scatter, const NoiseEstimate& noise, Waves waves) const {
-  const bool anew = waves == Waves::kChosenAnew &&
-                    std::any_of(accepted.begin(), accepted.end(), [](const Accepted& one) { return one.candidate.isWaves(); });
+  const bool anew = waves == Waves::kChosenAnew && std::any_of(accepted.begin(), accepted.end(), wasChosen);
   return judged(stage, kind, [&](const Groups& train) {
     const std::vector<Accepted> taken = anew ? chosenAnew(start, accepted, scatter, noise, train) : accepted;
     const Linearised linear = refit(selection_.measured, start, taken, scatter, noise, train, false);
@@ -136,10 +138,10 @@ Rung Ladder::fitted(const std::string& stage, HeldOut kind, const ModelState& st
 std::vector<Accepted> Ladder::chosenAnew(const ModelState& start, const std::vector<Accepted>& accepted,
                                          const std::vector<std::size_t>& scatter, const NoiseEstimate& noise, const Groups& train) const {
   std::vector<Accepted> all;
-  std::copy_if(accepted.begin(), accepted.end(), std::back_inserter(all), [](const Accepted& one) { return !one.candidate.isWaves(); });
+  std::copy_if(accepted.begin(), accepted.end(), std::back_inserter(all), [](const Accepted& one) { return !wasChosen(one); });
   const Linearised without = refit(selection_.measured, start, all, scatter, noise, train, false);
   for (const Accepted& one : accepted) {
-    if (!one.candidate.isWaves()) continue;
+    if (!wasChosen(one)) continue;
     Accepted made = one;
     const std::size_t most = one.candidate.curve->terms.size();
     std::optional<Candidate> waves = wavesAt(selection_.measured, without, *waves_, one.candidate.curve->place.index, most);

@@ -6,18 +6,11 @@
 
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
+#include "diagnosis/smooth_field.hpp"
 #include "diagnosis/thresholds.hpp"
 
 namespace poecal {
 namespace {
-
-double logSumExp(const std::vector<double>& values) {
-  if (values.empty()) return -std::numeric_limits<double>::infinity();
-  const double largest = *std::max_element(values.begin(), values.end());
-  double sum = 0.0;
-  for (const double value : values) sum += std::exp(value - largest);
-  return largest + std::log(sum);
-}
 
 /// Score of joint k moving at random by itself, in standard deviations.
 double scatterScore(const WhiteResidual& white, const NoiseComponent& joint) {
@@ -100,12 +93,15 @@ class Ranker {
                        [&](const std::string& name) { return name == candidate.answer() || (posture && name.starts_with(there)); });
   }
 
-  /// Waves of several joints: at each joint those that serve best.
+  /// Waves of several joints and smooth fields over them: at each joint what serves best.
   void addWaves(const Linearised& linear, const std::vector<std::string>& taken, const std::vector<Candidate>& kept,
                 Ranking& ranking) const {
     if (waves_ == nullptr) return;
     constexpr std::size_t kMost = 6;  // of one that is not taken yet: what they explain is clear by then
-    std::vector<Candidate> waves = waveCandidates(measured_, linear, *waves_, std::min(kMost, mostWaves(linear.rows.groups.size())));
+    const WaveFolds ports(measured_, linear);
+    std::vector<Candidate> waves = waveCandidates(ports, linear, *waves_, std::min(kMost, mostWaves(linear.rows.groups.size())));
+    const std::vector<Candidate> fields = fieldCandidates(ports, linear);
+    waves.insert(waves.end(), fields.begin(), fields.end());
     waves.insert(waves.end(), kept.begin(), kept.end());
     const std::vector<Evidence> evidence = screen(linear, waves);
     std::map<Place, RankedAnswer> best;

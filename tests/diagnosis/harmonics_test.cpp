@@ -21,16 +21,8 @@ EffectSpec waveAtJointOne(double size) {
   return {.effect = "unknown", .location = "joint:1", .parameters = {{"sin(3q1+2q3+4q4)", size}}, .driver = "q1,q3,q4"};
 }
 
-struct Fitted {
-  MeasuredCell measured;
-  Linearised linear;
-};
-
-Fitted fitted(const test::SmallCell& small) {
-  Fitted made{small.measured(), {}};
-  made.linear = refit(made.measured, {CellState(made.measured.start, made.measured.free), {}}, {}, {}, NoiseEstimate{}, {}, true);
-  return made;
-}
+using test::Fitted;
+using test::fitted;
 
 TEST(WaveDictionary, HoldsEveryWaveOnceAndItsSharesAddUp) {
   const test::SmallCell small = test::smallCell(1, 40, kSigma, {});
@@ -60,7 +52,7 @@ TEST(WaveDictionary, ASlidingOrStandingJointIsInNoWave) {
 TEST(Waves, TheFirstIsTheOneThatWholeMatricesPutFirst) {
   const Fitted made = fitted(test::smallCell(3, 60, kSigma, {waveAtJointOne(6e-4)}));
   const WaveDictionary dictionary(*made.measured.start.arm, made.measured.samples);
-  const std::vector<Candidate> found = waveCandidates(made.measured, made.linear, dictionary, 1);
+  const std::vector<Candidate> found = waveCandidates(WaveFolds(made.measured, made.linear), made.linear, dictionary, 1);
   const auto first = std::find_if(found.begin(), found.end(), [](const Candidate& each) {
     return each.place == Place{PlaceKind::kJoint, 0};
   });
@@ -86,9 +78,9 @@ TEST(Waves, TheFirstIsTheOneThatWholeMatricesPutFirst) {
 TEST(Waves, DoNotDependOnTheNumberOfThreads) {
   Fitted made = fitted(test::smallCell(4, 60, kSigma, {waveAtJointOne(6e-4)}));
   const WaveDictionary dictionary(*made.measured.start.arm, made.measured.samples);
-  const std::vector<Candidate> alone = waveCandidates(made.measured, made.linear, dictionary, 6);
+  const std::vector<Candidate> alone = waveCandidates(WaveFolds(made.measured, made.linear), made.linear, dictionary, 6);
   made.linear.jobs = 4;
-  const std::vector<Candidate> together = waveCandidates(made.measured, made.linear, dictionary, 6);
+  const std::vector<Candidate> together = waveCandidates(WaveFolds(made.measured, made.linear), made.linear, dictionary, 6);
   ASSERT_EQ(alone.size(), together.size());
   for (std::size_t i = 0; i < alone.size(); ++i) {
     EXPECT_EQ(alone[i].answer(), together[i].answer());
@@ -99,7 +91,7 @@ TEST(Waves, DoNotDependOnTheNumberOfThreads) {
 TEST(Waves, AreNoneInNoise) {
   const Fitted made = fitted(test::smallCell(5, 80, kSigma, {}));
   const WaveDictionary dictionary(*made.measured.start.arm, made.measured.samples);
-  EXPECT_TRUE(waveCandidates(made.measured, made.linear, dictionary, 10).empty());
+  EXPECT_TRUE(waveCandidates(WaveFolds(made.measured, made.linear), made.linear, dictionary, 10).empty());
 }
 
 // 0.6 mrad at the first joint: some 0.3 px beyond any geometry.

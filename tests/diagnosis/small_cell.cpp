@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "diagnosis/refit.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/geometry/se3.hpp"
 #include "support/cameras.hpp"
@@ -84,6 +85,12 @@ SmallCell smallCell(std::uint64_t seed, int poses, double sigma, const std::vect
 }
 
 ModelState nominalState(const MeasuredCell& measured) { return {CellState(measured.start, measured.free), {}}; }
+
+Fitted fitted(const SmallCell& small) {
+  Fitted made{small.measured(), {}};
+  made.linear = refit(made.measured, nominalState(made.measured), {}, {}, NoiseEstimate{}, {}, true);
+  return made;
+}
 
 Measurements SmallCell::measurements() const {
   Measurements measured;

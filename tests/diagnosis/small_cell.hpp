@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnosis/capture_rows.hpp"
+#include "diagnosis/evidence.hpp"
 #include "poecal/diagnosis/diagnose.hpp"
 #include "support/random.hpp"
 
@@ -31,6 +32,13 @@ struct SmallCell {
 
 /// Where a search begins: the nominal arm as it was registered.
 ModelState nominalState(const MeasuredCell& measured);
+
+/// A cell as a search finds it before anything is taken up.
+struct Fitted {
+  MeasuredCell measured;
+  Linearised linear;
+};
+Fitted fitted(const SmallCell& small);
 
 /// Six turning joints with masses before a fixed camera; axes off by 0.5 mm and 2 mrad, `poses` poses, corners with `sigma` [px] and what
 /// the effects do.
