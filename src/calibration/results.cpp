@@ -112,8 +112,11 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
   for (const YamlNode& bad : root["bad_samples"].items()) {
     if (const auto image = bad.find("image")) summary.bad_images.push_back(image->text());
   }
+  const auto gap_remains = root["remaining"].find("gap_remains");
+  summary.gap_remains = gap_remains && gap_remains->text() == "true";
   summary.structure_left = root["remaining"]["significant"].text() == "true";
   if (summary.structure_left) summary.warnings.push_back("structure remains that no finding explains");
+  if (summary.gap_remains) summary.warnings.push_back("a gap remains that no finding explains, far above the noise");
 }
 
 }  // namespace

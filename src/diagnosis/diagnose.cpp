@@ -113,6 +113,14 @@ std::vector<RungPair> blockRungs(const Ladder& ladder, const std::vector<std::si
   return pairs;
 }
 
+/// What a gap is to be compared with: the noise, or the most that it may be where it is not known, within what instruments have.
+double mostNoise(const Diagnosis& diagnosis) {
+  constexpr double kLeastPx = 0.01, kMostPx = 2.0;
+  constexpr double kLeastPosition = 1e-6, kMostPosition = 5e-3;
+  const double noise = diagnosis.noiseKnown() ? diagnosis.noise_rms : diagnosis.noise_bounds.second;
+  return diagnosis.pixels ? std::clamp(noise, kLeastPx, kMostPx) : std::clamp(noise, kLeastPosition, kMostPosition);
+}
+
 void tellGap(const Gap& gap, const std::vector<Rung>& rungs, Diagnosis& diagnosis) {
   for (const Rung& rung : rungs) diagnosis.stages.push_back(gap.stageOf(rung));
   diagnosis.noise_rms = gap.noiseRms();
@@ -120,6 +128,7 @@ void tellGap(const Gap& gap, const std::vector<Rung>& rungs, Diagnosis& diagnosi
   diagnosis.before_excess = diagnosis.stages[kIdentified].excess;
   diagnosis.after_excess = diagnosis.stages.back().excess;
   diagnosis.after_interval = gap.remaining();
+  diagnosis.gap_remains = diagnosis.after_interval.first > kSearch.gap_remains * mostNoise(diagnosis);
 }
 
 /// How the findings serve poses that their fit did not see.

@@ -120,6 +120,7 @@ Json diagnosisObject(const Diagnosis& diagnosis, const std::vector<Sample>& samp
           {"where", where},
           {"remaining",
            {{"excess" + std::string(diagnosis.pixels ? "_px" : "_mm"), (diagnosis.pixels ? 1.0 : 1e3) * diagnosis.after_excess},
+            {"gap_remains", diagnosis.gap_remains},
             {"significant", diagnosis.remaining_significant},
             {"p_value", diagnosis.remaining_p_value},
             {"location", orNull(diagnosis.remaining_location)},

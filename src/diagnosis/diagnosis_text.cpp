@@ -153,6 +153,7 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
   if (diagnosis.remaining_significant) {
     text += fmt::format("  still there: structure at {}, driven by {}\n", diagnosis.remaining_location, diagnosis.remaining_driver);
   }
+  if (diagnosis.gap_remains) text += "  " + gapRemainsText(diagnosis) + "\n";
   if (diagnosis.arm_beyond_tolerance > 2.0) {
     text += fmt::format("  the arm is {:.1f} times farther from its nominal geometry than the tolerances allow: check robot and options\n",
                         diagnosis.arm_beyond_tolerance);

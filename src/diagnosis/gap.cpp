@@ -154,7 +154,10 @@ Gap::Gap(const Selection& selection, const MeasurementNoise& noise, const std::v
   const double after = sums.after / sums.points, expected = sums.expected / sums.points;
   const double more = std::max(0.0, after - noise_.least - expected);
   const double excess = expected + more * beyondChance(more, noise_.chance * noise_.least);
-  subtracted_ = std::clamp(after - excess, 0.0, lowest_);
+  // What the fit may be off by takes nothing from noise that is known.
+  constexpr double kSurely = 3.0;
+  const double surely = noise_.least * std::max(0.0, 1.0 - kSurely * noise_.chance);
+  subtracted_ = std::clamp(after - excess, std::min(surely, lowest_), lowest_);
   unexplained_ = beyondChance(after - noise_.random - expected, noise_.chance * noise_.random);
 }
 

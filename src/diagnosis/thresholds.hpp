@@ -39,6 +39,9 @@ struct SearchThresholds {
   double reach = 30.0;                                   ///< log evidence below the best within which they are
   double far_reach = 0.01;  ///< or this share of the best one's chi-square: a large effect is linearised the worse the larger it is
 
+  /// A gap remains where its lower end is beyond so many times the noise: cells without an effect reach 0.8 in the withheld world.
+  double gap_remains = 2.0;
+
   /// Sizes beyond so many typical ones are of no real cell: an effect that would be seen only there cannot be tested.
   double absurd_size = 20.0;
   /// Before any effect is known: only what no effect does to a single pose.

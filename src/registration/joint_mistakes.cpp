@@ -40,6 +40,9 @@ void addUnits(const Arm& arm, std::vector<Mistake>& mistakes) {
     };
   };
   mistakes.push_back(mistakeOfReadings("joint readings look like degrees, expected radians", scaled(revolute, M_PI / 180.0)));
+  for (const int k : revolute) {
+    mistakes.push_back(mistakeOfReadings(fmt::format("q{} looks like degrees, expected radians", k + 1), scaled({k}, M_PI / 180.0)));
+  }
   if (prismatic.empty()) return;
   mistakes.push_back(mistakeOfReadings(listOf(prismatic) + " look like millimetres, expected metres", scaled(prismatic, 1e-3)));
   mistakes.push_back(mistakeOfReadings("joint readings look like degrees and millimetres, expected radians and metres",
@@ -121,6 +124,19 @@ void addZeros(const Arm& arm, std::vector<Mistake>& mistakes) {
   }
 }
 
+/// Controllers of parallelogram arms and of coupled wrists give a joint's angle against another frame than the link before it.
+void addCouplings(const Arm& arm, std::vector<Mistake>& mistakes) {
+  for (Eigen::Index k = 1; k < arm.jointCount(); ++k) {
+    if (arm.joints[static_cast<std::size_t>(k)].type != JointType::kRevolute) continue;
+    if (arm.joints[static_cast<std::size_t>(k - 1)].type != JointType::kRevolute) continue;
+    for (const double sign : {1.0, -1.0}) {
+      mistakes.push_back(
+          mistakeOfReadings(fmt::format("q{0} looks to hold q{0} {1} q{2} (a coupled joint?)", k + 1, sign > 0.0 ? "+" : "-", k),
+                            [k, sign](Eigen::VectorXd& q) { q(k) -= sign * q(k - 1); }));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Mistake> jointMistakes(const Problem& problem) {
@@ -130,6 +146,7 @@ std::vector<Mistake> jointMistakes(const Problem& problem) {
   addSigns(problem.cell.arm->jointCount(), mistakes);
   addOrders(*problem.cell.arm, mistakes);
   addZeros(*problem.cell.arm, mistakes);
+  addCouplings(*problem.cell.arm, mistakes);
   return mistakes;
 }
 

@@ -39,6 +39,6 @@ std::vector<Mistake> lensMistakes(const Problem& problem);
 /// Corners of every tag in another order. Only where the corners do not even fit with poses of their own.
 std::vector<Mistake> cornerMistakes(const Problem& problem);
 /// Tags of a board numbered in another order, or closer or farther apart. Likewise.
-std::vector<Mistake> layoutMistakes(const Problem& problem);
+std::vector<Mistake> layoutMistakes(const Problem& problem, const std::vector<Observation>& all);
 
 }  // namespace poecal

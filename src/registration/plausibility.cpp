@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@
 #include "registration/mistakes.hpp"
 #include "registration/moved_once.hpp"
 #include "registration/row_order.hpp"
+#include "registration/stuck_readings.hpp"
 #include "registration/target_size.hpp"
 
 namespace poecal {
@@ -46,6 +48,8 @@ namespace {
 constexpr double kSuspicious = 0.04;
 // Half of what random pairings leave: then readings and pictures have next to nothing to do with each other.
 constexpr double kHopeless = 0.5;
+// Poses of the flange have no gains and no zeros that are off: nominal arms leave a per cent or two of it, soft and worn ones some more.
+constexpr double kHopelessOfPoses = 0.2;
 // A mistake explains a registration where undoing it leaves this share, and less of what random pairings leave than this.
 constexpr double kMends = 0.3;
 constexpr double kMendedOfChance = 0.15;
@@ -85,13 +89,22 @@ std::string leftText(const Problem& problem, const Registration& registration, d
   return fmt::format("{:.4g} mm", 1e3 * median(ways));
 }
 
-std::vector<Mistake> mistakesOf(const Problem& few, const std::vector<Observation>& observations) {
+/// @param misfit  of the registration as it stands.
+std::vector<Mistake> mistakesOf(const Problem& few, const std::vector<Observation>& observations, double misfit) {
+  // Corners that fit with a pose of their own in each picture are in order, or turned with their target, which the registration takes up.
+  const bool in_order = freeMisfit(few.samples) <= kMends * misfit;
   std::vector<Mistake> all;
-  for (std::vector<Mistake>& kind : std::array{unitMistakes(few), setupMistakes(few), poseMistakes(few), jointMistakes(few),
-                                               orderMistakes(few, observations), cornerMistakes(few), lensMistakes(few)}) {
+  for (std::vector<Mistake>& kind :
+       std::array{unitMistakes(few), setupMistakes(few), poseMistakes(few), jointMistakes(few), orderMistakes(few, observations),
+                  in_order ? std::vector<Mistake>{} : cornerMistakes(few), lensMistakes(few)}) {
     std::move(kind.begin(), kind.end(), std::back_inserter(all));
   }
   return all;
+}
+
+std::size_t cornerCount(const std::vector<Observation>& observations) {
+  return std::accumulate(observations.begin(), observations.end(), std::size_t{0},
+                         [](std::size_t sum, const Observation& observation) { return sum + observation.corners.size(); });
 }
 
 Suspicion suspicionOf(const std::string& text, std::optional<std::size_t> sample, double misfit, const Problem& few) {
@@ -128,6 +141,7 @@ class MistakeSearch {
     for (std::size_t k = 0; k < mistakes.size(); ++k) {
       Problem altered = few_;
       mistakes[k].undo(altered);
+      if (!keepsMost(altered)) continue;
       order.emplace_back(quickMisfit(altered), k);
     }
     std::stable_sort(order.begin(), order.end());
@@ -173,10 +187,15 @@ class MistakeSearch {
   const std::optional<Suspicion>& best() const { return best_; }
 
  private:
+  /// An explanation of few pictures, or of few of their corners, explains nothing.
+  bool keepsMost(const Problem& altered) const {
+    return altered.observations.size() >= std::max<std::size_t>(4, few_.observations.size() * 3 / 4) &&
+           4 * cornerCount(altered.observations) >= 3 * cornerCount(few_.observations);
+  }
+
   bool explains(double misfit) const { return std::isfinite(misfit) && misfit <= kMends * misfit_ && misfit <= kMendedOfChance * chance_; }
 
   void consider(const Problem& altered, const std::string& text, InputPart part) {
-    if (altered.observations.size() < std::max<std::size_t>(4, few_.observations.size() * 3 / 4)) return;
     const std::optional<Consensus> found = solve(altered, 2);
     if (!found || !(found->misfit < misfit_)) return;
     const Registration& registration = found->fit.cell.registration;
@@ -218,6 +237,13 @@ double shareBeside(const Consensus& found, const std::vector<HypothesisSample>& 
       suspicion.part, suspicion.sample);
 }
 
+[[noreturn]] void refuse(const StuckReadings& stuck, const std::vector<Observation>& observations) {
+  const bool poses = observations.front().pose.has_value();
+  throw ImplausibleCapture(fmt::format("{} (these rows leave {:.3g} {}, the others {:.3g})", stuck.text, stuck.misfit,
+                                       poses ? "of their deviations" : "px", stuck.others),
+                           InputPart::kSamples, stuck.sample);
+}
+
 }  // namespace
 
 std::string sizeText(double factor, double deviation) {
@@ -229,6 +255,7 @@ std::string sizeText(double factor, double deviation) {
 void requirePlausible(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
                       const Consensus& found) {
   const double floor = kNothing * freeMisfit(samples);
+  if (const std::optional<StuckReadings> stuck = findStuckReadings(cell, observations, samples)) refuse(*stuck, observations);
   const bool beside = shareBeside(found, samples, misfitIn(cell, observations)) > kManyBeside;
   if (!beside && found.misfit <= floor) return;
   const Problem few = thinned(cell, observations, samples, kRows);
@@ -248,17 +275,19 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
     if (moved && moved->beside < kFewBeside && moved->misfit <= kAsMostRows * found.misfit) refuse(suspicionOf(*moved, few), stated);
     return;
   }
+  if (const std::string copied = copiedColumns(observations); !copied.empty()) throw ImplausibleCapture(copied, InputPart::kSamples);
   MistakeSearch search(few, found.fit.cell.registration, found.misfit, chance);
   if (cell.arm && std::isfinite(found.misfit) && search.armExplains(std::max(floor, 0.25 * kSuspicious * chance))) return;
   if (mispaired) search.considerRows(*mispaired);
-  search.tryAll(mistakesOf(few, observations));
+  search.tryAll(mistakesOf(few, observations, found.misfit));
   search.trySizes();
   if (const std::optional<MovedOnce> moved = search.moved()) {
     if (cell.arm) return;
     refuse(suspicionOf(*moved, few), stated);
   }
   if (search.best()) refuse(*search.best(), stated);
-  if (std::isfinite(found.misfit) && found.misfit < kHopeless * chance) return;
+  const double hopeless = cell.arm ? kHopeless : kHopelessOfPoses;
+  if (std::isfinite(found.misfit) && found.misfit < hopeless * chance) return;
   throw ImplausibleCapture(
       fmt::format("no registration explains most of the pictures (the best leaves {}, as rows that have nothing to do "
                   "with them would): expected readings, robot and pictures that belong together",

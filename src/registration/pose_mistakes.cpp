@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "poecal/geometry/se3.hpp"
 #include "registration/mistakes.hpp"
@@ -73,6 +76,31 @@ void addThreeNumbers(std::vector<Mistake>& mistakes) {
   }
 }
 
+/// Positions in other axes than the rotations: exchanged columns, other signs, y up in one program and z up in another.
+void addAxes(std::vector<Mistake>& mistakes) {
+  std::array<int, 3> axis{0, 1, 2};
+  constexpr const char* kNames[] = {"x", "y", "z"};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      // What x, y and z hold, to be put back.
+      Eigen::Matrix3d held = Eigen::Matrix3d::Zero();
+      std::vector<std::string> words;
+      for (int row = 0; row < 3; ++row) {
+        const bool negative = (signs >> row) & 1;
+        const int of = axis[static_cast<std::size_t>(row)];
+        held(row, of) = negative ? -1.0 : 1.0;
+        words.push_back(fmt::format("{}{}", negative ? "-" : "", kNames[of]));
+      }
+      if (held.isIdentity()) continue;
+      mistakes.push_back(mistakeOfPoses(fmt::format("x, y, z look to hold {} in the axes of the rotations", fmt::join(words, ", ")),
+                                        [held](Eigen::Isometry3d T) {
+                                          T.translation() = held.transpose() * T.translation();
+                                          return T;
+                                        }));
+    }
+  } while (std::next_permutation(axis.begin(), axis.end()));
+}
+
 }  // namespace
 
 std::vector<Mistake> poseMistakes(const Problem& problem) {
@@ -96,6 +124,7 @@ std::vector<Mistake> poseMistakes(const Problem& problem) {
   mistakes.push_back(mistakeOfPoses("the quaternions look conjugate (turned the other way)",
                                     ofRotation([](const Eigen::Matrix3d& R) { return Eigen::Matrix3d(R.transpose()); })));
   addThreeNumbers(mistakes);
+  addAxes(mistakes);
   return mistakes;
 }
 

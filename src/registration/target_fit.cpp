@@ -23,14 +23,19 @@ constexpr double kPixels = 1.0;
 constexpr std::size_t kRows = 20, kTags = 6;
 // A change of the target explains it where it leaves this share.
 constexpr double kMends = 0.3;
+// And no more than so many times what may be all that is usual.
+constexpr double kUsual = 2.0;
 // Factors on the distance of the tags that are tried.
 constexpr double kFarthest = 0.7, kStep = 0.05;
+constexpr std::size_t kListed = 8;  // tags of a target that lists each of them
+// Beyond this share of the target's extent no lens and no bend is what a free pose leaves.
+constexpr double kOfNoTarget = 0.1;
 constexpr int kNearest = 2;  // steps; closer to what is stated it is a tag that was mounted badly, which is for the diagnosis to say
 
 /// Centres of all tags that are seen, of their corners as stated.
-std::map<int, Eigen::Vector3d> tagCentres(const Problem& problem) {
+std::map<int, Eigen::Vector3d> tagCentres(const std::vector<Observation>& observations) {
   std::map<PointId, Eigen::Vector3d> points;
-  for (const Observation& observation : problem.observations) {
+  for (const Observation& observation : observations) {
     for (const CornerMeasurement& corner : observation.corners) points[corner.id] = corner.p_target;
   }
   std::map<int, std::pair<Eigen::Vector3d, int>> sums;
@@ -46,21 +51,51 @@ std::map<int, Eigen::Vector3d> tagCentres(const Problem& problem) {
   return centres;
 }
 
-/// Every tag as it is, its centre moved; about the middle of all centres.
-Mistake mistakeOfLayout(std::string text, std::map<int, Eigen::Vector3d> centres, const Eigen::Matrix3d& map) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const auto& [tag, centre] : centres) middle += centre / static_cast<double>(centres.size());
-  return {std::move(text), InputPart::kTarget, [centres = std::move(centres), middle, map](Problem& changed) {
+/// Every tag as it is, its centre moved. @param from, to  centres of the same tags.
+Mistake mistakeOfCentres(std::string text, std::map<int, Eigen::Vector3d> from, std::map<int, Eigen::Vector3d> to) {
+  return {std::move(text), InputPart::kTarget, [from = std::move(from), to = std::move(to)](Problem& changed) {
             for (Observation& observation : changed.observations) {
               std::erase_if(observation.corners, [&](CornerMeasurement& corner) {
-                const auto centre = centres.find(corner.id.tag);
-                if (centre == centres.end()) return true;
-                corner.p_target += middle + map * (centre->second - middle) - centre->second;
+                const auto centre = from.find(corner.id.tag);
+                if (centre == from.end()) return true;
+                corner.p_target += to.at(corner.id.tag) - centre->second;
                 return false;
               });
             }
             renewPictures(changed);
           }};
+}
+
+/// The centres mapped about the middle of them all.
+Mistake mistakeOfLayout(std::string text, const std::map<int, Eigen::Vector3d>& centres, const Eigen::Matrix3d& map) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& [tag, centre] : centres) middle += centre / static_cast<double>(centres.size());
+  std::map<int, Eigen::Vector3d> mapped = centres;
+  for (auto& [tag, centre] : mapped) centre = middle + map * (centre - middle);
+  return mistakeOfCentres(std::move(text), centres, std::move(mapped));
+}
+
+/// The tags' numbers counted over a grid of as many columns as there are rows; nothing where the tags are no full grid.
+std::optional<std::map<int, Eigen::Vector3d>> gridTheOtherWay(const std::map<int, Eigen::Vector3d>& centres) {
+  constexpr double kSame = 1e-6;  // [m]
+  const auto different = [&](int axis) {
+    std::vector<double> values;
+    for (const auto& [tag, centre] : centres) values.push_back(centre(axis));
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end(), [](double a, double b) { return std::abs(a - b) < kSame; }), values.end());
+    return values;
+  };
+  const std::vector<double> x = different(0), y = different(1);
+  const std::size_t columns = x.size(), rows = y.size();
+  if (columns == rows || columns < 2 || rows < 2 || columns * rows != centres.size()) return {};
+  const double dx = (x.back() - x.front()) / static_cast<double>(columns - 1), dy = (y.back() - y.front()) / static_cast<double>(rows - 1);
+  std::map<int, Eigen::Vector3d> other = centres;
+  std::size_t place = 0;
+  for (auto& [tag, centre] : other) {
+    centre.head<2>() << dx * static_cast<double>(place % rows), dy * static_cast<double>(place / rows);
+    ++place;
+  }
+  return other;
 }
 
 /// Median over the observations of the diagonal of what is seen [px].
@@ -148,10 +183,10 @@ std::vector<Mistake> cornerMistakes(const Problem& problem) {
   return mistakes;
 }
 
-std::vector<Mistake> layoutMistakes(const Problem& problem) {
+std::vector<Mistake> layoutMistakes(const Problem& problem, const std::vector<Observation>& all) {
   std::vector<Mistake> mistakes;
   if (problem.observations.front().pose || problem.observations.front().corners.front().id.tag < 0) return mistakes;
-  const std::map<int, Eigen::Vector3d> centres = tagCentres(problem);
+  const std::map<int, Eigen::Vector3d> centres = tagCentres(all);
   if (centres.size() < 2) return mistakes;
   const auto add = [&](std::string text, const Eigen::Matrix3d& map) {
     mistakes.push_back(mistakeOfLayout(std::move(text), centres, map));
@@ -163,6 +198,20 @@ std::vector<Mistake> layoutMistakes(const Problem& problem) {
   Eigen::Matrix3d exchanged = Eigen::Matrix3d::Identity();
   exchanged.topLeftCorner<2, 2>() << 0, 1, 1, 0;
   add("the tags' numbers look to run along the columns first", exchanged);
+  if (auto other = gridTheOtherWay(centres)) {
+    mistakes.push_back(mistakeOfCentres("the grid's columns and rows look exchanged", centres, std::move(*other)));
+  }
+  // Of many tags two exchanged ones are no mistake in the file, which counts them in order.
+  if (centres.size() > 2 && centres.size() <= kListed) {
+    for (auto a = centres.begin(); a != centres.end(); ++a) {
+      for (auto b = std::next(a); b != centres.end(); ++b) {
+        std::map<int, Eigen::Vector3d> exchanged_tags = centres;
+        std::swap(exchanged_tags[a->first], exchanged_tags[b->first]);
+        mistakes.push_back(
+            mistakeOfCentres(fmt::format("the tags {} and {} look exchanged", a->first, b->first), centres, std::move(exchanged_tags)));
+      }
+    }
+  }
   for (int k = kNearest; k <= static_cast<int>(kFarthest / kStep); ++k) {
     for (const double factor : {std::exp(kStep * k), std::exp(-kStep * k)}) {
       add(fmt::format("the tags look {:.2f} times as far apart, centre to centre, as stated", factor),
@@ -174,17 +223,19 @@ std::vector<Mistake> layoutMistakes(const Problem& problem) {
 
 void requireTargetFits(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples) {
   if (observations.size() < 4 || observations.front().pose) return;
-  if (freeOrNone(observations, samples) <= std::max(kPixels, kShareOfExtent * extentInPictures(observations))) return;
+  const double free = freeOrNone(observations, samples), extent = extentInPictures(observations);
+  const double usual = std::max(kPixels, kShareOfExtent * extent);
+  if (free <= usual) return;
   const Problem few = wholeTags(cell, observations);
   if (few.observations.size() < 4) return;
   const double stated = freeOrNone(few.observations, few.samples);
   std::optional<BetterTarget> best;
-  for (const std::vector<Mistake>& kind : std::array{layoutMistakes(few), cornerMistakes(few)}) {
+  for (const std::vector<Mistake>& kind : std::array{layoutMistakes(few, observations), cornerMistakes(few)}) {
     for (const Mistake& mistake : kind) {
       Problem altered = few;
       mistake.undo(altered);
       const double left = freeOrNone(altered.observations, altered.samples);
-      if (!std::isfinite(left) || left > kMends * stated) continue;
+      if (!(left <= kMends * stated) || !(left <= kUsual * usual)) continue;
       if (!best || left < kClearlyBetter * best->left) {
         best = {mistake.text, mistake.part, left};
       } else if (best->other.empty() && left < kAsGood * best->left) {
@@ -192,7 +243,13 @@ void requireTargetFits(const Cell& cell, const std::vector<Observation>& observa
       }
     }
   }
-  if (!best) return;
+  if (!best) {
+    if (!(free > kOfNoTarget * extent)) return;
+    throw ImplausibleCapture(fmt::format("no pose of this target shows the corners as the pictures do (the best leave {} of {:.0f} px "
+                                         "from corner to corner): expected the layout, ids and sizes of the printed target",
+                                         std::isfinite(free) ? fmt::format("{:.3g}", free) : "all", extent),
+                             InputPart::kTarget);
+  }
   throw ImplausibleCapture(
       fmt::format("{} (with a pose of its own in each picture the target then fits to {:.3g} px instead of {}{})", best->text, best->left,
                   std::isfinite(stated) ? fmt::format("{:.3g} px", stated) : "not at all", asLikely(best->other)),

@@ -84,6 +84,9 @@ std::vector<std::string> actionsOf(const Diagnosis& diagnosis) {
     actions.push_back(fmt::format("Look at {} (driven by {}): structure is left there.", spoken(diagnosis.remaining_location),
                                   diagnosis.remaining_driver));
   }
+  if (diagnosis.gap_remains) {
+    actions.push_back(capitalised(gapRemainsText(diagnosis)) + ". Run poecal check on the capture, and compare its files with the cell.");
+  }
   return actions;
 }
 
@@ -125,10 +128,11 @@ Verdict verdictOf(const Calibration& calibration) {
   verdict.actions = actionsOf(diagnosis);
   if (diagnosis.findings.empty() && !diagnosis.isClean()) {
     verdict.headline = "A gap without a known cause";
-    verdict.sentences = {
-        fmt::format("Structure is left at {}, driven by {}.", spoken(diagnosis.remaining_location), diagnosis.remaining_driver),
-        fmt::format("None of {} explanations makes held-out poses better.", diagnosis.answers),
-        capitalised(fmt::format("what remains is {}.", remains(diagnosis)))};
+    verdict.sentences = {diagnosis.remaining_significant ? fmt::format("Structure is left at {}, driven by {}.",
+                                                                       spoken(diagnosis.remaining_location), diagnosis.remaining_driver)
+                                                         : "Held-out poses are off by far more than the noise.",
+                         fmt::format("None of {} explanations makes held-out poses better.", diagnosis.answers),
+                         capitalised(fmt::format("what remains is {}.", remains(diagnosis)))};
     verdict.actions.push_back("Take more poses, some of them twice: repeats tell structure from random motion.");
     return verdict;
   }

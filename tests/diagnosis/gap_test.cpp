@@ -32,7 +32,6 @@ void expectNoiseBelowEveryStage(const Diagnosis& diagnosis) {
   EXPECT_GE(diagnosis.after_interval.second, diagnosis.after_excess);
 }
 
-// What no explanation follows moves corners by some 0.3 px, three times the noise. None of it is noise of the corners.
 TEST(SurenessText, NeverSaysThatThereIsNoDoubt) {
   EXPECT_EQ(surenessText(1.0), "99.9 % sure or more");
   EXPECT_EQ(surenessText(0.9989), "99.8 % sure");
@@ -40,6 +39,7 @@ TEST(SurenessText, NeverSaysThatThereIsNoDoubt) {
   EXPECT_EQ(surenessText(0.67), "67 % sure");
 }
 
+// What no explanation follows moves corners by some 0.3 px, three times the noise. None of it is noise of the corners.
 TEST(Gap, StructureThatNothingExplainsIsNoNoise) {
   test::SmallCell small = test::smallCell(21, 60, kSigma, {});
   test::observeWith(small, 0, waves, kSigma);
@@ -52,9 +52,24 @@ TEST(Gap, StructureThatNothingExplainsIsNoNoise) {
   EXPECT_LT(diagnosis.shrinkage.interval.first, 0.6) << "nobody foretells it";
 }
 
+// Readings to a tenth of a radian: no effect, and tens of pixels that all joints coming to rest at random would explain.
+TEST(Gap, OfReadingsThatDoNotFitIsNotNothing) {
+  test::SmallCell small = test::smallCell(24, 60, kSigma, {});
+  for (std::size_t k = 0; k < small.samples.size(); ++k) {
+    small.samples[k].q = (10.0 * small.samples[k].q).array().round() / 10.0;
+    small.observations[k].q = small.samples[k].q;
+  }
+  const Diagnosis diagnosis = small.diagnosis();
+  expectNoiseBelowEveryStage(diagnosis);
+  EXPECT_TRUE(diagnosis.gap_remains);
+  EXPECT_FALSE(diagnosis.isClean());
+  EXPECT_THAT(diagnosisText(diagnosis, small.samples), HasSubstr("input that does not belong together"));
+}
+
 TEST(Gap, OfATidyCellIsWhatTheCovarianceSays) {
   const Diagnosis diagnosis = test::smallCell(22, 60, kSigma, {}).diagnosis();
   expectNoiseBelowEveryStage(diagnosis);
+  EXPECT_TRUE(diagnosis.isClean());
   const double noise = std::sqrt(2.0) * kSigma;
   EXPECT_NEAR(diagnosis.noise_rms, noise, 0.15 * noise);
   // 36 unknowns and 480 numbers: a share of 36 / 480 of the noise's square.

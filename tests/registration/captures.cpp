@@ -216,6 +216,43 @@ MadeCapture movedFrom(const MadeCapture& capture, std::size_t row, const Eigen::
   return moved;
 }
 
+MadeCapture parkedFrom(const MadeCapture& capture, std::size_t row, Eigen::Index joint) {
+  MadeCapture parked = capture;
+  const double there = capture.observations[row].q(joint);
+  for (std::size_t k = row; k < parked.observations.size(); ++k) {
+    Observation& observation = parked.observations[k];
+    const auto seen = [&] { return capture.truth.registration.cameraTarget(forwardKinematics(*capture.truth.arm, observation.q)); };
+    const Eigen::Isometry3d before = seen();
+    observation.q(joint) = there;
+    const Eigen::Isometry3d after = seen();
+    for (CornerMeasurement& corner : observation.corners) {
+      corner.px += *project(*capture.truth.camera, after * corner.p_target) - *project(*capture.truth.camera, before * corner.p_target);
+    }
+  }
+  return parked;
+}
+
+MadeCapture withGrid(const MadeCapture& capture, int columns, int rows, double cell) {
+  MadeCapture board = capture;
+  const Eigen::Matrix<double, 3, 4> corners = tagCorners(0.7 * cell);
+  for (Observation& observation : board.observations) {
+    const Eigen::Isometry3d T_camera_target = capture.truth.registration.cameraTarget(forwardKinematics(*capture.truth.arm, observation.q));
+    observation.corners.clear();
+    for (int tag = 0; tag < columns * rows; ++tag) {
+      const Eigen::Vector3d centre((tag % columns - 0.5 * (columns - 1)) * cell, (tag / columns - 0.5 * (rows - 1)) * cell, 0.0);
+      for (int k = 0; k < 4; ++k) {
+        CornerMeasurement corner;
+        corner.id = {tag, k};
+        corner.p_target = centre + corners.col(k);
+        corner.px = *project(*capture.truth.camera, T_camera_target * corner.p_target);
+        corner.sigma_px = 0.1;
+        observation.corners.push_back(corner);
+      }
+    }
+  }
+  return board;
+}
+
 Said said(const MadeCapture& capture) {
   try {
     if (capture.observations.front().pose) {

@@ -39,6 +39,12 @@ MadeCapture makeCapture(const CaptureKind& kind, Rng& rng);
 /// The capture with the camera moved by T_new_old from a row on.
 MadeCapture movedFrom(const MadeCapture& capture, std::size_t row, const Eigen::Isometry3d& T_new_old);
 
+/// The capture with a joint that was driven to where it stands in a row, and stays there from then on.
+MadeCapture parkedFrom(const MadeCapture& capture, std::size_t row, Eigen::Index joint);
+
+/// The capture's pictures of a grid of tags, counted along its rows from below; cell: from centre to centre.
+MadeCapture withGrid(const MadeCapture& capture, int columns, int rows, double cell);
+
 /// What is said of a capture: an error's message, or its warnings; empty where there is nothing to say.
 struct Said {
   bool refused = false;

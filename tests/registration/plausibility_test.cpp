@@ -1,4 +1,7 @@
 // Good captures pass; what is left out, open or off is said.
+#include <cmath>
+#include <functional>
+
 #include <gmock/gmock.h>
 
 #include "poecal/core/error.hpp"
@@ -57,6 +60,52 @@ TEST(Plausibility, ACameraThatMovedOnceIsSaidWherePosesAreGiven) {
       EXPECT_TRUE(answer.refused) << nameOf(kind) << ", moved by " << size << " from row " << row;
       EXPECT_THAT(answer.message, HasSubstr("stands elsewhere than before"));
     }
+  }
+}
+
+TEST(Plausibility, AJointThatIsParkedIsNotStuck) {
+  Rng rng = test::rngOfThisTest();
+  for (const char* arm : {"elbow", "seven", "shoulder"}) {
+    const MadeCapture capture = makeCapture({arm, Setup::kEyeToHand, Readings::kJoints, View::kLookAt}, rng);
+    for (const Eigen::Index joint : {0, 2, 4}) {
+      const Said answer = said(parkedFrom(capture, 22, joint));
+      EXPECT_FALSE(answer.refused) << arm << ", joint " << joint + 1 << ": " << answer.message;
+    }
+  }
+}
+
+TEST(Plausibility, ABoardThatIsStatedWronglyIsNamed) {
+  Rng rng = test::rngOfThisTest();
+  const MadeCapture good = makeCapture({"elbow", Setup::kEyeInHand, Readings::kJoints, View::kLookAt, 25}, rng);
+  /// Every tag where `centre` says, which knows it by its number.
+  const auto restated = [](MadeCapture board, const std::function<Eigen::Vector2d(int)>& moved) {
+    for (Observation& observation : board.observations) {
+      for (CornerMeasurement& corner : observation.corners) corner.p_target.head<2>() += moved(corner.id.tag);
+    }
+    return board;
+  };
+  const double kCell = 0.05;
+  const MadeCapture board = withGrid(good, 4, 3, kCell), few = withGrid(good, 2, 2, kCell);
+  EXPECT_FALSE(said(board).refused) << said(board).message;
+  const auto at = [=](int tag, int columns) { return Eigen::Vector2d(kCell * (tag % columns), kCell * (tag / columns)); };
+  EXPECT_THAT(said(restated(board, [&](int tag) { return Eigen::Vector2d(at(tag, 3) - at(tag, 4)); })).message,
+              HasSubstr("the grid's columns and rows look exchanged"));
+  const auto exchanged = [&](int tag) {
+    return Eigen::Vector2d(tag == 1 || tag == 3 ? Eigen::Vector2d(at(4 - tag, 2) - at(tag, 2)) : Eigen::Vector2d(0.0, 0.0));
+  };
+  EXPECT_THAT(said(restated(few, exchanged)).message, HasSubstr("the tags 1 and 3 look exchanged"));
+  // No single change mends it.
+  const auto scattered = [](int tag) { return Eigen::Vector2d(0.08 * std::sin(7.0 * tag), 0.08 * std::cos(5.0 * tag)); };
+  EXPECT_THAT(said(restated(few, scattered)).message, HasSubstr("no pose of this target shows the corners as the pictures do"));
+}
+
+// As seen from a camera on the flange, a target that turned in its mount leaves hundreds of pixels, but every picture by itself is well.
+TEST(Plausibility, LargeEffectsAreNoOtherOrderOfTheCorners) {
+  Rng rng = test::rngOfThisTest();
+  for (int draw = 0; draw < 4; ++draw) {
+    const MadeCapture board = withGrid(makeCapture({"elbow", Setup::kEyeInHand, Readings::kJoints, View::kLookAt}, rng), 4, 3, 0.05);
+    const Said answer = said(movedFrom(board, 20, test::randomPose(rng, 0.2, 0.1)));
+    EXPECT_FALSE(answer.refused) << answer.message;
   }
 }
 

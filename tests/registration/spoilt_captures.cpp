@@ -105,6 +105,21 @@ void addOfJoints(const Arm& arm, std::vector<std::tuple<std::string, std::string
   }
   list.emplace_back("exchanged", "q2 and q4 are exchanged", ofReadings([](Eigen::VectorXd& q) { std::swap(q(1), q(3)); }));
   list.emplace_back("zero", "the zero of q2 is off by 90 degrees", ofReadings([](Eigen::VectorXd& q) { q(1) += M_PI_2; }));
+  if (revolute(1)) {
+    list.emplace_back("one in degrees", "q2 looks like degrees", ofReadings([](Eigen::VectorXd& q) { q(1) *= 180.0 / M_PI; }));
+  }
+  if (revolute(1) && revolute(2)) {
+    list.emplace_back("coupled", "q3 looks to hold q3 + q2", ofReadings([](Eigen::VectorXd& q) { q(2) += q(1); }));
+  }
+  list.emplace_back("copied", "q2 and q4 hold the same readings", ofReadings([](Eigen::VectorXd& q) { q(3) = q(1); }));
+  list.emplace_back("stuck", "q2 stays at exactly", [](MadeCapture& capture) {
+    const std::size_t from = capture.observations.size() * 3 / 5;
+    for (std::size_t k = from; k < capture.observations.size(); ++k) capture.observations[k].q(1) = capture.observations[from].q(1);
+  });
+  list.emplace_back("frozen", "the readings stay", [](MadeCapture& capture) {
+    const std::size_t from = capture.observations.size() * 3 / 4;
+    for (std::size_t k = from; k < capture.observations.size(); ++k) capture.observations[k].q = capture.observations[from].q;
+  });
   list.emplace_back("reverse", "reverse order", ofReadings([](Eigen::VectorXd& q) { q.reverseInPlace(); }));
   if (arm.jointCount() > 4) {  // the last joint's zero is the tool's
     list.emplace_back("half a turn", "q4 is off by 180 degrees", ofReadings([revolute](Eigen::VectorXd& q) { q(3) += M_PI; }));
@@ -125,6 +140,15 @@ void addOfPoses(std::vector<std::tuple<std::string, std::string, Spoil>>& list) 
   list.emplace_back("yaw first", "taken for yaw, pitch, roll", ofRotations([](const Eigen::Matrix3d& R) {
                       const Eigen::Vector3d a = R.eulerAngles(2, 1, 0);
                       return Eigen::Matrix3d(expSo3({0, 0, a.z()}) * expSo3({0, a.y(), 0}) * expSo3({a.x(), 0, 0}));
+                    }));
+  list.emplace_back("exchanged axes", "look to hold z, y, x in the axes of the rotations", ofPoses([](Eigen::Isometry3d T) {
+                      std::swap(T.translation().x(), T.translation().z());
+                      return T;
+                    }));
+  list.emplace_back("y up", "look to hold x, z, -y in the axes of the rotations", ofPoses([](Eigen::Isometry3d T) {
+                      const Eigen::Vector3d p = T.translation();
+                      T.translation() << p.x(), p.z(), -p.y();
+                      return T;
                     }));
   list.emplace_back("inverted", "inverted", ofPoses([](const Eigen::Isometry3d& T) { return T.inverse(); }));
   list.emplace_back("rotation vectors", "rotation vectors that were taken for roll, pitch, yaw", ofRotations([](const Eigen::Matrix3d& R) {

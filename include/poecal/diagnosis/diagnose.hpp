@@ -132,6 +132,8 @@ struct Diagnosis {
   std::vector<Finding> possibilities;  ///< of captures of few poses: named effects that do not serve poses which the fit did not see
   RowOrder row_order;                  ///< columns that the order of the rows stood in for
   std::vector<GapPlace> where;
+  /// Held-out poses are off by far more than the noise may be: an effect that is not listed, or input that does not belong together.
+  bool gap_remains = false;
   bool remaining_significant = false;
   double remaining_p_value = 1.0;
   std::string remaining_location, remaining_driver;
@@ -142,8 +144,8 @@ struct Diagnosis {
   std::vector<Explained> explained;  ///< every answer that was weighed, best first, nothing found yet
   Model model;                       ///< with the effects
 
-  /// Whether there is nothing to say: no finding, and no structure known that one is missing for.
-  bool isClean() const { return findings.empty() && !remaining_significant; }
+  /// Whether there is nothing to say: no finding, and neither structure nor a gap that one is missing for.
+  bool isClean() const { return findings.empty() && !remaining_significant && !gap_remains; }
   /// Otherwise none is subtracted.
   bool noiseKnown() const { return noise_source != NoiseSource::kUnknown; }
 };

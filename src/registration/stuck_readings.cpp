@@ -1,0 +1,129 @@
+#include "registration/stuck_readings.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "poecal/core/statistics.hpp"
+#include "registration/problem.hpp"
+
+namespace poecal {
+namespace {
+
+// Fewer rows tell nothing of a joint, and fewer others give no registration.
+constexpr std::size_t kFewestStuck = 4, kFewestOthers = 8;
+constexpr std::size_t kRows = 40;
+
+/// Rows [begin, end) in the order of the samples.
+struct Run {
+  std::size_t begin = 0, end = 0;
+  std::size_t size() const { return end - begin; }
+};
+
+/// The longest run of equal values. @param same  whether a row's readings are those of the row before.
+template <typename Same>
+Run longestRun(std::size_t rows, const Same& same) {
+  Run longest, run;
+  for (std::size_t k = 0; k < rows; ++k) {
+    run = k > 0 && same(k) ? Run{run.begin, k + 1} : Run{k, k + 1};
+    if (run.size() > longest.size()) longest = run;
+  }
+  return longest;
+}
+
+class Finder {
+ public:
+  Finder(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples)
+      : cell_(cell), observations_(observations), samples_(samples), order_(observations.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](std::size_t a, std::size_t b) { return observations[a].sample < observations[b].sample; });
+  }
+
+  std::optional<StuckReadings> find() const {
+    const auto joints = observations_.front().q.size();
+    std::optional<StuckReadings> found =
+        judged("the readings stay",
+               longestRun(order_.size(), [&](std::size_t k) { return samePose(poseAt(k), poseAt(k - 1)) && row(k).q == row(k - 1).q; }));
+    for (Eigen::Index joint = 0; joint < joints && !found; ++joint) {
+      const Run run = longestRun(order_.size(), [&](std::size_t k) { return row(k).q(joint) == row(k - 1).q(joint); });
+      if (isGrid(joint, run)) continue;
+      found = judged(fmt::format("q{} stays at exactly {:.6g}", joint + 1, row(run.begin).q(joint)), run);
+    }
+    return found;
+  }
+
+ private:
+  const Observation& row(std::size_t k) const { return observations_[order_[k]]; }
+  const Eigen::Isometry3d& poseAt(std::size_t k) const { return samples_[order_[k]].T_near_far; }
+
+  /// Commanded values come back; readings of a joint that moves do not.
+  bool isGrid(Eigen::Index joint, const Run& run) const {
+    std::set<double> values;
+    std::size_t others = 0;
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      if (k >= run.begin && k < run.end) continue;
+      values.insert(row(k).q(joint));
+      ++others;
+    }
+    return 4 * values.size() < 3 * others;
+  }
+
+  std::optional<StuckReadings> judged(const std::string& what, const Run& run) const {
+    if (run.size() < kFewestStuck || order_.size() - run.size() < kFewestOthers) return {};
+    std::vector<Observation> others;
+    std::vector<HypothesisSample> other_samples;
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      if (k >= run.begin && k < run.end) continue;
+      others.push_back(row(k));
+      other_samples.push_back(samples_[order_[k]]);
+      other_samples.back().observation = others.size() - 1;
+    }
+    const std::optional<Consensus> without = solve(thinned(cell_, others, other_samples, kRows), 2);
+    if (!without) return {};
+    const Registration& registration = without->fit.cell.registration;
+    const Misfit misfit = misfitIn(cell_, observations_);
+    std::vector<double> stuck, free;
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      (k >= run.begin && k < run.end ? stuck : free).push_back(misfit(registration, samples_[order_[k]]));
+    }
+    const double of_stuck = median(stuck), of_others = median(free);
+    if (!(of_stuck > kBeside * of_others)) return {};
+    const bool to_the_end = run.end == order_.size();
+    const std::string until = to_the_end ? "from this row on" : fmt::format("for {} rows from this one on", run.size());
+    return StuckReadings{fmt::format("{} {}, but the target moves on: expected the reading of each moment", what, until),
+                         row(run.begin).sample, of_stuck, of_others};
+  }
+
+  const Cell& cell_;
+  const std::vector<Observation>& observations_;
+  const std::vector<HypothesisSample>& samples_;
+  std::vector<std::size_t> order_;  ///< observations by their samples
+};
+
+}  // namespace
+
+std::optional<StuckReadings> findStuckReadings(const Cell& cell, const std::vector<Observation>& observations,
+                                               const std::vector<HypothesisSample>& samples) {
+  return Finder(cell, observations, samples).find();
+}
+
+std::string copiedColumns(const std::vector<Observation>& observations) {
+  if (observations.size() < kFewestOthers) return "";
+  const Eigen::Index joints = observations.front().q.size();
+  for (Eigen::Index a = 0; a < joints; ++a) {
+    for (Eigen::Index b = a + 1; b < joints; ++b) {
+      const bool same = std::all_of(observations.begin(), observations.end(), [&](const Observation& one) { return one.q(a) == one.q(b); });
+      const bool moves = std::any_of(observations.begin(), observations.end(),
+                                     [&](const Observation& one) { return one.q(a) != observations.front().q(a); });
+      if (same && moves)
+        return fmt::format("q{} and q{} hold the same readings in every row: expected the readings of two joints", a + 1, b + 1);
+    }
+  }
+  return "";
+}
+
+}  // namespace poecal
