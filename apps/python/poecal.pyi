@@ -4,7 +4,7 @@
 # read_results. Arrays are of doubles. What is read of an object is a copy where it is a list, a map, an array or may be None: change one
 # and set it again.
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import ClassVar, Final
 
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 _Array = NDArray[np.float64]
 _Path = str | os.PathLike[str]
+_Progress = Callable[[str, int, int], object]  # told the name of the job, how many of its pieces are done, and of how many
 
 __version__: str
 
@@ -271,18 +272,54 @@ class Corner:
     def __copy__(self) -> Corner: ...
     def __deepcopy__(self, memo: dict[int, object]) -> Corner: ...
 
+class CornerMeasurement:
+    """A named point of the target [m] seen at a pixel; sigma per axis [px]."""
+    id: PointId
+    p_target: _Array
+    px: _Array
+    sigma_px: float
+    def __init__(self, *, id: PointId = ..., p_target: ArrayLike = ..., px: ArrayLike = ..., sigma_px: float = ...) -> None: ...
+    def __copy__(self) -> CornerMeasurement: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> CornerMeasurement: ...
+
+class PoseMeasurement:
+    """A measured pose; its residual (rotation [rad]; position [m] in camera) times `whitening` has unit covariance."""
+    T_camera_target: _Array
+    whitening: _Array
+    position_only: bool
+    def __init__(self, *, T_camera_target: ArrayLike = ..., whitening: ArrayLike = ..., position_only: bool = ...) -> None: ...
+    def __copy__(self) -> PoseMeasurement: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PoseMeasurement: ...
+
+class Observation:
+    """All that one sample measured: corners, or a pose."""
+    sample: int
+    q: _Array
+    T_base_flange: _Array | None
+    corners: Sequence[CornerMeasurement]
+    pose: PoseMeasurement | None
+    reference: Sequence[CornerMeasurement]
+    def __init__(
+        self, *, sample: int = ..., q: ArrayLike = ..., T_base_flange: ArrayLike | None = ..., corners: Sequence[CornerMeasurement] = ...,
+        pose: PoseMeasurement | None = ..., reference: Sequence[CornerMeasurement] = ...
+    ) -> None: ...
+    def __copy__(self) -> Observation: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Observation: ...
+
 class Measurements:
     """All that was measured of a cell: either corners or poses."""
     setup: Setup
     target: Target
     samples: Sequence[Sample]
     other_columns: Sequence[str]
+    observations: Sequence[Observation]
     sigmas_stated: bool
     groups: Sequence[Sequence[int]]
     gravity: _Array
     def __init__(
         self, *, setup: Setup = ..., target: Target = ..., samples: Sequence[Sample] = ..., other_columns: Sequence[str] = ...,
-        sigmas_stated: bool = ..., groups: Sequence[Sequence[int]] = ..., gravity: ArrayLike = ...
+        observations: Sequence[Observation] = ..., sigmas_stated: bool = ..., groups: Sequence[Sequence[int]] = ...,
+        gravity: ArrayLike = ...
     ) -> None: ...
     def __copy__(self) -> Measurements: ...
     def __deepcopy__(self, memo: dict[int, object]) -> Measurements: ...
@@ -660,8 +697,20 @@ class CameraChoice(_Enum):
     kFree: ClassVar[CameraChoice]
     kAuto: ClassVar[CameraChoice]
 
+class RegistrationOptions:
+    """Options of the registration."""
+    hypotheses: int
+    robust: bool
+    leave_out_bad: bool
+    progress: _Progress | None
+    def __init__(
+        self, *, hypotheses: int = ..., robust: bool = ..., leave_out_bad: bool = ..., progress: _Progress | None = ...
+    ) -> None: ...
+    def __copy__(self) -> RegistrationOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> RegistrationOptions: ...
+
 class IdentifyOptions:
-    """Options of the identification."""
+    """Options of the identification; calibrate() has `jobs` and `progress` of its own."""
     method: Method
     tolerance_position: float
     tolerance_rotation: float
@@ -671,31 +720,37 @@ class IdentifyOptions:
     hold_out_every: int
     leave_one_out: bool
     registered: bool
+    jobs: int
     allow_still_joints: bool
+    progress: _Progress | None
     def __init__(
         self, *, method: Method = ..., tolerance_position: float = ..., tolerance_rotation: float = ..., camera: CameraChoice = ...,
         robust: bool = ..., gao_length_unit: float = ..., hold_out_every: int = ..., leave_one_out: bool = ..., registered: bool = ...,
-        allow_still_joints: bool = ...
+        jobs: int = ..., allow_still_joints: bool = ..., progress: _Progress | None = ...
     ) -> None: ...
     def __copy__(self) -> IdentifyOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> IdentifyOptions: ...
 
 class DiagnoseOptions:
-    """Options of the diagnosis."""
+    """Options of the diagnosis; calibrate() has `jobs` and `progress` of its own."""
     folds: int
     seed: int
-    def __init__(self, *, folds: int = ..., seed: int = ...) -> None: ...
+    jobs: int
+    progress: _Progress | None
+    def __init__(self, *, folds: int = ..., seed: int = ..., jobs: int = ..., progress: _Progress | None = ...) -> None: ...
     def __copy__(self) -> DiagnoseOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> DiagnoseOptions: ...
 
 class CalibrateOptions:
-    """Options of a calibration; the result does not depend on `jobs`."""
+    """Options of a calibration. The result does not depend on `jobs`; `progress` is told of every step."""
     last: CalibrationStep
     identify: IdentifyOptions
     diagnose: DiagnoseOptions
     jobs: int
+    progress: _Progress | None
     def __init__(
-        self, *, last: CalibrationStep = ..., identify: IdentifyOptions = ..., diagnose: DiagnoseOptions = ..., jobs: int = ...
+        self, *, last: CalibrationStep = ..., identify: IdentifyOptions = ..., diagnose: DiagnoseOptions = ..., jobs: int = ...,
+        progress: _Progress | None = ...
     ) -> None: ...
     def __copy__(self) -> CalibrateOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> CalibrateOptions: ...
@@ -1029,6 +1084,18 @@ identification_json = identificationJson
 def diagnosisJson(calibration: Calibration, measurements: Measurements) -> str:
     """Text of diagnosis.json."""
 diagnosis_json = diagnosisJson
+
+def registerCell(cell: Cell, observations: Sequence[Observation], options: RegistrationOptions = ...) -> RegistrationResult:
+    """Finds where camera and target are, from the corners of pictures."""
+register_cell = registerCell
+
+def identify(
+    cell: Cell, measurements: Measurements, options: IdentifyOptions = ..., registration: RegistrationResult | None = ...
+) -> Identification:
+    """Identifies the arm; `registration` is of these measurements, where it was done already."""
+
+def diagnose(identification: Identification, measurements: Measurements, options: DiagnoseOptions = ...) -> Diagnosis:
+    """Diagnoses what an identification of these measurements leaves."""
 
 def calibrate(nominal: Cell, measurements: Measurements, options: CalibrateOptions = ...) -> Calibration:
     """Calibrates a cell from memory."""

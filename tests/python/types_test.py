@@ -122,6 +122,11 @@ def annotations_in(body):
 
 def found_objects():
     """Objects of as many classes as there are, from real calls."""
+    made = [kind() for kind in classes().values() if hasattr(kind, "__copy__")]
+    return made + calibrated_objects()
+
+
+def calibrated_objects():
     capture, out = cells.corners_capture(), cells.new_folder() / "out"
     run = poecal.runCapture(capture, out)
     model, loaded = poecal.readModel(out / "model.yaml"), poecal.loadCapture(capture, out)
@@ -131,7 +136,8 @@ def found_objects():
         poecal.axisOffset(*model.cell.arm.joints[:2]), *poecal.effectKinds(), model.effects[0].effect, poecal.checkCapture(capture),
         *poecal.predictCorners(model.cell, model.target, poecal.forwardKinematics(model.cell.arm, run.measurements.samples[0].q)),
         poecal.calibrateBoardFolder(cells.board_folder(), poecal.IntrinsicsOptions(), 1, out / "camera.yaml"), poecal.CaptureSource("x"),
-    ] + [kind() for kind in classes().values() if hasattr(kind, "__copy__")]  # fmt: skip
+        *poecal.registerCell(loaded.nominal, loaded.measurements.observations).samples[:1], loaded.measurements.observations[0],
+    ]  # fmt: skip
 
 
 def parts_of(value):
