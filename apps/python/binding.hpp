@@ -103,5 +103,8 @@ void bindMeasurements(py::module_& module);
 void bindEffects(py::module_& module);
 void bindResults(py::module_& module);
 void bindCalibration(py::module_& module);
+void bindDetection(py::module_& module);
+void bindSimulation(py::module_& module);
+void bindPrinting(py::module_& module);
 
 }  // namespace poecal::python

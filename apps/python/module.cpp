@@ -112,6 +112,9 @@ PYBIND11_MODULE(poecal, module) {
   bindEffects(module);
   bindResults(module);
   bindCalibration(module);
+  bindDetection(module);
+  bindSimulation(module);
+  bindPrinting(module);
   for (const auto item : py::list(module.attr("__dict__").attr("values")())) {
     if (py::isinstance<py::type>(item)) addPep8Names(py::reinterpret_borrow<py::object>(item));
   }

@@ -898,6 +898,178 @@ class NewCapture:
     def __copy__(self) -> NewCapture: ...
     def __deepcopy__(self, memo: dict[int, object]) -> NewCapture: ...
 
+class PictureLook:
+    """What a picture looks like: blur [px] and noise [grey levels of 255], 1 sigma; growth of dark into light [px]."""
+    blur: float
+    noise: float
+    growth: float
+    def __init__(self, *, blur: float = ..., noise: float = ..., growth: float = ...) -> None: ...
+    def __copy__(self) -> PictureLook: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PictureLook: ...
+
+class ImageCorners:
+    """The corners of one picture, sorted by id."""
+    image: str
+    corners: Sequence[Corner]
+    look: PictureLook | None
+    def __init__(self, *, image: str = ..., corners: Sequence[Corner] = ..., look: PictureLook | None = ...) -> None: ...
+    def __copy__(self) -> ImageCorners: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> ImageCorners: ...
+
+class Detections:
+    """Pictures in the order of the capture, with their corners."""
+    images: Sequence[ImageCorners]
+    def __init__(self, *, images: Sequence[ImageCorners] = ...) -> None: ...
+    def __copy__(self) -> Detections: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Detections: ...
+    def find(self, image: str) -> ImageCorners | None:
+        """A picture's corners; None where it is not there."""
+
+class DetectOptions:
+    """Options of a detection; the result does not depend on `jobs`."""
+    jobs: int
+    quad_decimate: float
+    refine: bool
+    camera: Camera | None
+    expected_width: int
+    expected_height: int
+    other_tags: Sequence[int]
+    progress: _Progress | None
+    def __init__(
+        self, *, jobs: int = ..., quad_decimate: float = ..., refine: bool = ..., camera: Camera | None = ..., expected_width: int = ...,
+        expected_height: int = ..., other_tags: Sequence[int] = ..., progress: _Progress | None = ...
+    ) -> None: ...
+    def __copy__(self) -> DetectOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> DetectOptions: ...
+
+class PictureNote:
+    """A remark about one picture; `failed`: no corners came from it."""
+    image: Final[str]
+    message: Final[str]
+    failed: Final[bool]
+    def text(self) -> str:
+        """The picture and the message."""
+
+class DetectResult:
+    """Corners of each picture in the order given, remarks, and the pictures' size [px]."""
+    detections: Final[Detections]
+    notes: Final[tuple[PictureNote, ...]]
+    width: Final[int]
+    height: Final[int]
+
+class KnownCorners:
+    """Corners found before, kept in a file: no picture is searched twice."""
+    def __init__(self, file: _Path) -> None: ...
+    def read(self, file: _Path) -> None:
+        """Takes in what another such file knows."""
+    def finish(self) -> None:
+        """Rewrites the file with what was asked for or added alone, sorted."""
+    def reused(self) -> int:
+        """How many pictures were not searched again."""
+
+class BoardView:
+    """A board's points in one picture: 3 x N p_target [m], 2 x N pixels [px], N sigmas [px] or none."""
+    image: str
+    points: _Array
+    pixels: _Array
+    sigmas: _Array
+    def __init__(self, *, image: str = ..., points: ArrayLike = ..., pixels: ArrayLike = ..., sigmas: ArrayLike = ...) -> None: ...
+    def __copy__(self) -> BoardView: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> BoardView: ...
+
+class BoardPictures:
+    """A folder of pictures of a board: a view each, remarks, and the pictures' size [px]."""
+    target: Final[Target]
+    views: Final[tuple[BoardView, ...]]
+    notes: Final[tuple[PictureNote, ...]]
+    width: Final[int]
+    height: Final[int]
+
+class ImageOptions:
+    """How pictures are drawn: blur [px] and noise [grey levels of 255], 1 sigma; background "clutter" or "plain"."""
+    blur: float
+    noise: float
+    background: str
+    def __init__(self, *, blur: float = ..., noise: float = ..., background: str = ...) -> None: ...
+    def __copy__(self) -> ImageOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> ImageOptions: ...
+
+class Scene:
+    """A cell whose truth is known: what is true, what the capture is told, and what is drawn."""
+    file: Path
+    name: str
+    nominal: Arm
+    robot_file: Path
+    base_link: str
+    tip_link: str
+    actual: Arm
+    camera: Camera
+    stated_camera: Camera
+    target: Target
+    stated_target: Target
+    registration: Registration
+    effects: Sequence[AppliedEffect]
+    count: int
+    seed: int
+    repeats: int
+    samples_file: Path
+    image: ImageOptions | None
+    looks: Sequence[PictureLook]
+    corner_sigma: float | None
+    board: Target | None
+    board_count: int
+    def __init__(
+        self, *, file: _Path = ..., name: str = ..., nominal: Arm = ..., robot_file: _Path = ..., base_link: str = ..., tip_link: str = ...,
+        actual: Arm = ..., camera: Camera = ..., stated_camera: Camera = ..., target: Target = ..., stated_target: Target = ...,
+        registration: Registration = ..., effects: Sequence[AppliedEffect] = ..., count: int = ..., seed: int = ..., repeats: int = ...,
+        samples_file: _Path = ..., image: ImageOptions | None = ..., looks: Sequence[PictureLook] = ..., corner_sigma: float | None = ...,
+        board: Target | None = ..., board_count: int = ...
+    ) -> None: ...
+    def __copy__(self) -> Scene: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Scene: ...
+
+class SimulateOptions:
+    """Options of a simulation; the result does not depend on `jobs`."""
+    jobs: int
+    progress: _Progress | None
+    def __init__(self, *, jobs: int = ..., progress: _Progress | None = ...) -> None: ...
+    def __copy__(self) -> SimulateOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> SimulateOptions: ...
+
+class SimulateSummary:
+    """What a simulation wrote; `truth` is the truth's folder."""
+    poses: Final[int]
+    samples: Final[int]
+    without_target: Final[int]
+    corners: Final[int]
+    pictures: Final[bool]
+    boards: Final[int]
+    truth: Final[Path]
+
+class Paper:
+    """A sheet of paper, either way up [m]."""
+    name: str
+    width: float
+    height: float
+    def __init__(self, *, name: str = ..., width: float = ..., height: float = ...) -> None: ...
+    def __copy__(self) -> Paper: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Paper: ...
+
+class SheetPage:
+    """One page [m]. Its frame: origin in the top-left corner, x right, y down, z into the paper; the SVG is in millimetres."""
+    svg: Final[str]
+    width: Final[float]
+    height: Final[float]
+    tags: Final[tuple[int, ...]]
+    T_page_target: Final[_Array]
+    ruler: Final[float]
+    ruler_corner: Final[_Array]
+
+class TargetSheet:
+    """A target to print: all pages as one PDF, and each by itself."""
+    pages: Final[tuple[SheetPage, ...]]
+    pdf: Final[bytes]
+
 def expSe3(xi: ArrayLike) -> _Array:
     """exp of the twist (w; v) [rad; m]."""
 exp_se3 = expSe3
@@ -1141,3 +1313,88 @@ check_capture = checkCapture
 def createCapture(capture: NewCapture) -> list[Path]:
     """Makes a capture folder to fill in."""
 create_capture = createCapture
+
+def readDetections(file: _Path, target: Target) -> Detections:
+    """Reads detections.csv."""
+read_detections = readDetections
+
+def detectionsCsv(detections: Detections) -> str:
+    """Text of detections.csv."""
+detections_csv = detectionsCsv
+
+def picturesCsv(detections: Detections) -> str:
+    """Text of detections-pictures.csv: a row for each picture that has a look."""
+pictures_csv = picturesCsv
+
+def readPictureLooks(file: _Path) -> list[PictureLook]:
+    """Reads a table of looks, as picturesCsv() writes it."""
+read_picture_looks = readPictureLooks
+
+def medianLook(looks: Sequence[PictureLook]) -> PictureLook | None:
+    """The median of each figure by itself; None where there are no looks."""
+median_look = medianLook
+
+def measurementsOf(capture: Capture, detections: Detections) -> Measurements:
+    """The corners of a capture, for calibrate()."""
+measurements_of = measurementsOf
+
+def calibrateIntrinsics(views: Sequence[BoardView], width: int, height: int, options: IntrinsicsOptions = ...) -> IntrinsicsResult:
+    """Fits a camera and one board pose per picture."""
+calibrate_intrinsics = calibrateIntrinsics
+
+def detect(
+    folder: _Path, images: Sequence[str], target: Target, options: DetectOptions = ..., known: KnownCorners | None = ...
+) -> DetectResult:
+    """Corners of the target in each of the pictures, which are named from the folder."""
+
+def detectCapture(capture: Capture, options: DetectOptions = ..., known: KnownCorners | None = ...) -> DetectResult:
+    """Corners of the target in the picture of every sample, and of the reference where there is one."""
+detect_capture = detectCapture
+
+def readBoardPictures(folder: _Path, options: DetectOptions = ..., known: KnownCorners | None = ...) -> BoardPictures:
+    """Finds the target of folder/target.yaml in every picture of the folder."""
+read_board_pictures = readBoardPictures
+
+def texts(notes: Sequence[PictureNote]) -> list[str]:
+    """The picture and the message of each remark."""
+
+def listPictures(folder: _Path) -> list[str]:
+    """Names of a folder's pictures, sorted."""
+list_pictures = listPictures
+
+def knownFamilies() -> list[str]:
+    """Families of tags that can be detected."""
+known_families = knownFamilies
+
+def readScene(file: _Path) -> Scene:
+    """Reads scene.yaml."""
+read_scene = readScene
+
+def imageOptions(scene: Scene, index: int) -> ImageOptions:
+    """How a scene's picture of this number is drawn."""
+image_options = imageOptions
+
+def drawSamples(scene: Scene) -> SampleTable:
+    """Joint readings of a scene [rad] or [m]: from its file, or drawn within the limits with the target in view."""
+draw_samples = drawSamples
+
+def trueCorners(scene: Scene, samples: SampleTable) -> list[ImageCorners]:
+    """Exact corners at each sample [px], with the scene's effects."""
+true_corners = trueCorners
+
+def simulate(scene: Scene, capture: _Path, options: SimulateOptions = ...) -> SimulateSummary:
+    """Writes the capture folder, and its truth beside it in the folder CAPTURE-truth."""
+
+def renderTarget(
+    camera: Camera, target: Target, T_camera_target: ArrayLike, options: ImageOptions = ..., seed: int = ..., stream: int = ...
+) -> NDArray[np.uint8]:
+    """A grey picture of the target, height x width of 0..255; seed and stream are of its background and noise."""
+render_target = renderTarget
+
+def paperNamed(name: str) -> Paper:
+    """a4" .. "a0", "letter", "legal", "tabloid", or WIDTHxHEIGHT in millimetres."""
+paper_named = paperNamed
+
+def drawTargetSheet(target: Target, paper: Paper) -> TargetSheet:
+    """Draws a target in its size with two rulers; the same target and paper give the same bytes."""
+draw_target_sheet = drawTargetSheet

@@ -123,7 +123,7 @@ def annotations_in(body):
 def found_objects():
     """Objects of as many classes as there are, from real calls."""
     made = [kind() for kind in classes().values() if hasattr(kind, "__copy__")]
-    return made + calibrated_objects()
+    return made + calibrated_objects() + picture_objects()
 
 
 def calibrated_objects():
@@ -137,6 +137,20 @@ def calibrated_objects():
         *poecal.predictCorners(model.cell, model.target, poecal.forwardKinematics(model.cell.arm, run.measurements.samples[0].q)),
         poecal.calibrateBoardFolder(cells.board_folder(), poecal.IntrinsicsOptions(), 1, out / "camera.yaml"), poecal.CaptureSource("x"),
         *poecal.registerCell(loaded.nominal, loaded.measurements.observations).samples[:1], loaded.measurements.observations[0],
+    ]  # fmt: skip
+
+
+def picture_objects():
+    """Of pictures with a remark, too."""
+    scene = poecal.readScene(cells.scene_file("image: {blur: 0.7, noise: 2.0, background: plain}", 1))
+    capture = cells.new_folder() / "capture"
+    summary = poecal.simulate(scene, capture)
+    found = poecal.detectCapture(poecal.readCapture(capture))
+    other = poecal.apriltagTarget("tag36h11", [poecal.TargetTag(id=7, size=0.08)])
+    unseen = poecal.detect(capture / "images", poecal.listPictures(capture / "images"), other, poecal.DetectOptions(other_tags=[12]))
+    return [
+        scene, summary, found, unseen, poecal.readBoardPictures(cells.board_folder()), poecal.paperNamed("a4"),
+        poecal.drawTargetSheet(other, poecal.paperNamed("a4")),
     ]  # fmt: skip
 
 
@@ -194,6 +208,12 @@ class Names(unittest.TestCase):
                 continue
             unknown += [f"{name}.{member}" for member in own_names(members(kind)) if not re.search(rf"\b{member}\b", body)]
         self.assertEqual(unknown, [])
+
+    def test_of_options_with_progress_are_all_here(self):
+        told = [name for name in re.findall(r"^struct (\w+)", CODE, re.MULTILINE) if "ProgressFunction progress" in (body_of(name) or "")]
+        self.assertIn("SimulateOptions", told)
+        for name in told:
+            self.assertIn("progress", members(getattr(poecal, name)), name)
 
     def test_are_looked_for_in_the_type_itself(self):
         self.assertIn("kEyeToHand", body_of("Setup"))
