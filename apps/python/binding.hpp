@@ -105,6 +105,8 @@ void bindResults(py::module_& module);
 void bindCalibration(py::module_& module);
 void bindDetection(py::module_& module);
 void bindSimulation(py::module_& module);
+void bindPlanning(py::module_& module);
+void bindExporting(py::module_& module);
 void bindPrinting(py::module_& module);
 
 }  // namespace poecal::python

@@ -114,6 +114,8 @@ PYBIND11_MODULE(poecal, module) {
   bindCalibration(module);
   bindDetection(module);
   bindSimulation(module);
+  bindPlanning(module);
+  bindExporting(module);
   bindPrinting(module);
   for (const auto item : py::list(module.attr("__dict__").attr("values")())) {
     if (py::isinstance<py::type>(item)) addPep8Names(py::reinterpret_borrow<py::object>(item));

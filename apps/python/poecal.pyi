@@ -1046,6 +1046,208 @@ class SimulateSummary:
     boards: Final[int]
     truth: Final[Path]
 
+class PlanNoise:
+    """Noise of the pictures to come, 1 sigma: of a corner and of a whole tag [px], of each joint's repeats [rad]."""
+    corner: float
+    tag: float
+    repeatability: float
+    def __init__(self, *, corner: float = ..., tag: float = ..., repeatability: float = ...) -> None: ...
+    def __copy__(self) -> PlanNoise: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PlanNoise: ...
+
+class Rival:
+    """An explanation that a diagnosis left open."""
+    effect: str
+    location: str
+    driver: str
+    probability: float
+    def __init__(self, *, effect: str = ..., location: str = ..., driver: str = ..., probability: float = ...) -> None: ...
+    def __copy__(self) -> Rival: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Rival: ...
+
+class Rivals:
+    """Explanations of one finding of which one is right; the finding itself is the first."""
+    explanations: Sequence[Rival]
+    separate_with: str
+    def __init__(self, *, explanations: Sequence[Rival] = ..., separate_with: str = ...) -> None: ...
+    def __copy__(self) -> Rivals: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Rivals: ...
+
+class PlanningCell:
+    """A cell and all that is known of it before the poses that are planned; positions in [m], rotations in [rad], 1 sigma."""
+    nominal: Cell
+    model: Model
+    target: Target
+    taken: Measurements
+    robot_file: Path
+    noise: PlanNoise
+    tolerance_position: float
+    tolerance_rotation: float
+    arm_beyond_tolerance: float
+    rough_position: float
+    rough_rotation: float
+    open: Sequence[Rivals]
+    def __init__(
+        self, *, nominal: Cell = ..., model: Model = ..., target: Target = ..., taken: Measurements = ..., robot_file: _Path = ...,
+        noise: PlanNoise = ..., tolerance_position: float = ..., tolerance_rotation: float = ..., arm_beyond_tolerance: float = ...,
+        rough_position: float = ..., rough_rotation: float = ..., open: Sequence[Rivals] = ...
+    ) -> None: ...
+    def __copy__(self) -> PlanningCell: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PlanningCell: ...
+
+class PlanSource:
+    """A capture, and the model.yaml that was found from it."""
+    capture: CaptureSource
+    model: Path
+    def __init__(self, *, capture: CaptureSource | _Path = ..., model: _Path = ...) -> None: ...
+    def __copy__(self) -> PlanSource: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PlanSource: ...
+
+class FirstCapture:
+    """Before the first picture: files, and where camera and target roughly are [m], [rad]: in base and in flange; eye in hand: in flange
+    and in base."""
+    robot: Path
+    camera: Path
+    target: Path
+    base_link: str
+    tip_link: str
+    setup: Setup
+    registration: Path
+    camera_at: _Array | None
+    look_at: _Array | None
+    target_at: _Array
+    target_faces: _Array
+    rough_position: float
+    corner_sigma: float
+    rough_rotation: float
+    def __init__(
+        self, *, robot: _Path = ..., camera: _Path = ..., target: _Path = ..., base_link: str = ..., tip_link: str = ...,
+        setup: Setup = ..., registration: _Path = ..., camera_at: ArrayLike | None = ..., look_at: ArrayLike | None = ...,
+        target_at: ArrayLike = ..., target_faces: ArrayLike = ..., rough_position: float = ..., corner_sigma: float = ...,
+        rough_rotation: float = ...
+    ) -> None: ...
+    def __copy__(self) -> FirstCapture: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> FirstCapture: ...
+
+class PlanAim(_Enum):
+    """What the poses are for."""
+    kTool: ClassVar[PlanAim]
+    kSeparate: ClassVar[PlanAim]
+    kDetect: ClassVar[PlanAim]
+
+class PlanCriterion(_Enum):
+    """A: mean variance of the tool's position. D: volume of the confidence region."""
+    kA: ClassVar[PlanCriterion]
+    kD: ClassVar[PlanCriterion]
+
+class PlanOptions:
+    """Options of a plan; radii and the floor's height in [m]. The result does not depend on `jobs`."""
+    aim: PlanAim
+    criterion: PlanCriterion
+    count: int
+    candidates: int
+    seed: int
+    link_radius: float
+    camera_radius: float
+    floor: float | None
+    detect: str
+    detect_size: float
+    odds: float
+    jobs: int
+    def __init__(
+        self, *, aim: PlanAim = ..., criterion: PlanCriterion = ..., count: int = ..., candidates: int = ..., seed: int = ...,
+        link_radius: float = ..., camera_radius: float = ..., floor: float | None = ..., detect: str = ..., detect_size: float = ...,
+        odds: float = ..., jobs: int = ...
+    ) -> None: ...
+    def __copy__(self) -> PlanOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PlanOptions: ...
+
+class ToolUncertainty:
+    """Error of the tool before the camera, 1 sigma, mean over the workspace [m], [rad]."""
+    position: Final[float]
+    rotation: Final[float]
+
+class PlannedPose:
+    """Joint readings [rad] or [m], and the side from which each joint is to come: -1, 0, 1."""
+    q: Final[_Array]
+    dir: Final[_Array]
+
+class RivalOdds:
+    """Odds of the better of two rivals, where the first is right."""
+    right: Final[str]
+    wrong: Final[str]
+    before: Final[float]
+    expected: Final[float]
+
+class Detection:
+    """How well an effect of the size asked for would show."""
+    chi_square: Final[float]
+    probability: Final[float]
+
+class Plan:
+    """Poses in an order that makes a short path, and what they bring."""
+    poses: Final[tuple[PlannedPose, ...]]
+    before: Final[ToolUncertainty]
+    after: Final[ToolUncertainty]
+    random_poses: Final[int | None]
+    random_tried: Final[int]
+    odds: Final[tuple[RivalOdds, ...]]
+    not_told: Final[tuple[str, ...]]
+    detection_before: Final[Detection | None]
+    detection_after: Final[Detection | None]
+    sides_matter: Final[bool]
+    link_radius: Final[float]
+    visible: Final[int]
+    drawn: Final[int]
+
+class DhRule(_Enum):
+    """Denavit and Hartenberg's rule, or Hayati's of nearly parallel axes."""
+    kDh: ClassVar[DhRule]
+    kHayati: ClassVar[DhRule]
+
+class DhRow:
+    """One joint: Rz(theta) Tz(d) Tx(a) Rx(alpha) Ry(beta) in [m] and [rad]; q is added at theta or d."""
+    rule: DhRule
+    a: float
+    alpha: float
+    d: float
+    theta: float
+    beta: float
+    def __init__(
+        self, *, rule: DhRule = ..., a: float = ..., alpha: float = ..., d: float = ..., theta: float = ..., beta: float = ...
+    ) -> None: ...
+    def __copy__(self) -> DhRow: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> DhRow: ...
+
+class DhTable:
+    """T_base_flange(q) = base A_1(q_1) ... A_n(q_n) tool."""
+    base: _Array
+    rows: Sequence[DhRow]
+    tool: _Array
+    def __init__(self, *, base: ArrayLike = ..., rows: Sequence[DhRow] = ..., tool: ArrayLike = ...) -> None: ...
+    def __copy__(self) -> DhTable: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> DhTable: ...
+    def plain(self) -> bool:
+        """Whether the rows alone describe the arm."""
+
+class DhTables:
+    """The nominal arm and the calibrated one by the same rules and signs."""
+    nominal: DhTable
+    calibrated: DhTable
+    def __init__(self, *, nominal: DhTable = ..., calibrated: DhTable = ...) -> None: ...
+    def __copy__(self) -> DhTables: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> DhTables: ...
+
+class FrameNames:
+    """Names of the frames in what is written."""
+    base: str
+    flange: str
+    camera: str
+    target: str
+    def __init__(self, *, base: str = ..., flange: str = ..., camera: str = ..., target: str = ...) -> None: ...
+    def __copy__(self) -> FrameNames: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> FrameNames: ...
+
 class Paper:
     """A sheet of paper, either way up [m]."""
     name: str
@@ -1390,6 +1592,54 @@ def renderTarget(
 ) -> NDArray[np.uint8]:
     """A grey picture of the target, height x width of 0..255; seed and stream are of its background and noise."""
 render_target = renderTarget
+
+def readPlanningCell(source: PlanSource) -> PlanningCell:
+    """What a plan starts from, of a capture with its results."""
+read_planning_cell = readPlanningCell
+
+def firstCapture(first: FirstCapture) -> PlanningCell:
+    """What a plan of a whole first capture starts from."""
+first_capture = firstCapture
+
+def planPoses(cell: PlanningCell, options: PlanOptions = ...) -> Plan:
+    """Chooses poses within the limits that show the target and touch nothing obvious."""
+plan_poses = planPoses
+
+def toolUncertainty(cell: PlanningCell, more: Sequence[Sample]) -> ToolUncertainty:
+    """The uncertainty of the tool once corners are seen at these samples as well."""
+tool_uncertainty = toolUncertainty
+
+def planCsv(plan: Plan, taken: int = ...) -> str:
+    """Text of next.csv; pictures are numbered on from `taken`."""
+plan_csv = planCsv
+
+def dhTables(nominal: Arm, calibrated: Arm) -> DhTables:
+    """Both arms by their parameters, which compare row by row."""
+dh_tables = dhTables
+
+def dhForward(table: DhTable, arm: Arm, q: ArrayLike) -> _Array:
+    """T_base_flange(q) by the table: 4 x 4 of n readings [rad] or [m], N x 4 x 4 of N x n. `arm` says which joints slide."""
+dh_forward = dhForward
+
+def dhYaml(tables: DhTables, arm: Arm) -> str:
+    """Text of dh.yaml."""
+dh_yaml = dhYaml
+
+def frameNames(model: Model) -> FrameNames:
+    """base" and "flange", or the links of the model's URDF."""
+frame_names = frameNames
+
+def cameraInfoYaml(model: Model) -> str:
+    """Text of ROS's camera_info file."""
+camera_info_yaml = cameraInfoYaml
+
+def transformsYaml(model: Model, names: FrameNames) -> str:
+    """Text of the cell's two fixed transforms, both ways, for tf2."""
+transforms_yaml = transformsYaml
+
+def jointTableCsv(model: Model, nominal: Arm) -> str:
+    """Text of a table with a row per joint."""
+joint_table_csv = jointTableCsv
 
 def paperNamed(name: str) -> Paper:
     """a4" .. "a0", "letter", "legal", "tabloid", or WIDTHxHEIGHT in millimetres."""

@@ -123,7 +123,7 @@ def annotations_in(body):
 def found_objects():
     """Objects of as many classes as there are, from real calls."""
     made = [kind() for kind in classes().values() if hasattr(kind, "__copy__")]
-    return made + calibrated_objects() + picture_objects()
+    return made + calibrated_objects() + planned_objects() + picture_objects()
 
 
 def calibrated_objects():
@@ -137,7 +137,20 @@ def calibrated_objects():
         *poecal.predictCorners(model.cell, model.target, poecal.forwardKinematics(model.cell.arm, run.measurements.samples[0].q)),
         poecal.calibrateBoardFolder(cells.board_folder(), poecal.IntrinsicsOptions(), 1, out / "camera.yaml"), poecal.CaptureSource("x"),
         *poecal.registerCell(loaded.nominal, loaded.measurements.observations).samples[:1], loaded.measurements.observations[0],
+        poecal.dhTables(run.calibration.identification.nominal, model.cell.arm), poecal.frameNames(model),
     ]  # fmt: skip
+
+
+def planned_objects():
+    """Also of rivals, and of an effect that is looked for."""
+    cell = poecal.readPlanningCell(poecal.PlanSource(capture=cells.corners_capture(), model=cells.results() / "model.yaml"))
+    rivals = [poecal.Rival(effect="joint_coupling", location="joint:6", driver="q5", probability=0.6),
+              poecal.Rival(effect="joint_gain", location="joint:6", driver="q6", probability=0.4)]  # fmt: skip
+    cell.open = [poecal.Rivals(explanations=rivals)]
+    few = {"count": 2, "candidates": 50}
+    separate = poecal.PlanOptions(aim=poecal.PlanAim.kSeparate, **few)
+    detect = poecal.PlanOptions(aim=poecal.PlanAim.kDetect, detect="joint_gain@joint:3", detect_size=1e-3, floor=-1.0, **few)
+    return [cell, detect, *(poecal.planPoses(cell, options) for options in (separate, detect))]
 
 
 def picture_objects():
