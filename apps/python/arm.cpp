@@ -7,15 +7,6 @@
 namespace poecal::python {
 namespace {
 
-/// One pose of one reading, or N x 4 x 4 of N x n.
-py::object forwardKinematicsOf(const Arm& arm, const Array& q) {
-  if (q.ndim() == 1) return py::cast(forwardKinematics(arm, q.cast<Eigen::VectorXd>()));
-  const auto rows = q.cast<Eigen::MatrixXd>();
-  std::vector<Eigen::Isometry3d> poses;
-  for (Eigen::Index k = 0; k < rows.rows(); ++k) poses.push_back(forwardKinematics(arm, rows.row(k).transpose()));
-  return py::cast(poses);
-}
-
 void bindPoses(py::module_& module) {
   module.def("expSe3", expSe3, py::arg("xi"), "exp of the twist (w; v) [rad; m].");
   module.def("logSe3", logSe3, py::arg("T"), "Twist (w; v) with |w| <= pi whose exponential is T.");
@@ -74,8 +65,10 @@ void bindArm(py::module_& module) {
       .member("gamma", &Arm::gamma)
       .member("links", &Arm::links)
       .def("jointCount", &Arm::jointCount);
-  module.def("forwardKinematics", forwardKinematicsOf, py::arg("arm"), py::arg("q"),
-             "T_base_flange(q): 4 x 4 of n readings [rad] or [m], N x 4 x 4 of N x n.");
+  module.def(
+      "forwardKinematics",
+      [](const Arm& arm, const Array& q) { return posesOf(q, [&](const Eigen::VectorXd& one) { return forwardKinematics(arm, one); }); },
+      py::arg("arm"), py::arg("q"), "T_base_flange(q): 4 x 4 of n readings [rad] or [m], N x 4 x 4 of N x n.");
   bindFiles(module);
 }
 

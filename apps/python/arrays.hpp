@@ -174,3 +174,17 @@ struct type_caster<std::vector<double>> {
 };
 
 }  // namespace pybind11::detail
+
+namespace poecal::python {
+
+/// One pose of n readings, N x 4 x 4 of N x n.
+template <typename PoseOfOne>
+py::object posesOf(const Array& q, const PoseOfOne& pose) {
+  if (q.ndim() == 1) return py::cast(pose(q.cast<Eigen::VectorXd>()));
+  const auto rows = q.cast<Eigen::MatrixXd>();
+  std::vector<Eigen::Isometry3d> poses;
+  for (Eigen::Index k = 0; k < rows.rows(); ++k) poses.push_back(pose(rows.row(k).transpose()));
+  return py::cast(poses);
+}
+
+}  // namespace poecal::python

@@ -1,6 +1,7 @@
 // How the library's structs become classes of the module.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "arrays.hpp"
+#include "progress.hpp"
 
 namespace poecal::python {
 
@@ -28,6 +30,8 @@ template <typename Member>
 struct IsHeld<std::optional<Member>> : std::true_type {};
 template <typename Member>
 struct IsHeld<std::vector<Member>> : std::true_type {};
+template <typename Signature>
+struct IsHeld<std::function<Signature>> : std::true_type {};
 template <typename Key, typename Member>
 struct IsHeld<std::map<Key, Member>> : std::true_type {};
 
@@ -93,10 +97,16 @@ class Struct : public py::class_<T> {
 
 // One room of the module each. Types come before the functions that take them.
 void bindErrors(py::module_& module);
+void bindProgress(py::module_& module);
 void bindArm(py::module_& module);
 void bindMeasurements(py::module_& module);
 void bindEffects(py::module_& module);
 void bindResults(py::module_& module);
 void bindCalibration(py::module_& module);
+void bindDetection(py::module_& module);
+void bindSimulation(py::module_& module);
+void bindPlanning(py::module_& module);
+void bindExporting(py::module_& module);
+void bindPrinting(py::module_& module);
 
 }  // namespace poecal::python

@@ -12,45 +12,6 @@
 namespace poecal::python {
 namespace {
 
-using Unlocked = py::call_guard<py::gil_scoped_release>;
-
-/// A listener whose functions Python may override. Between two pieces of work it sees Ctrl-C.
-class PythonListener : public Listener {
- public:
-  void warning(const std::string& message) override { PYBIND11_OVERRIDE(void, Listener, warning, message); }
-  void warnings(const std::vector<std::string>& messages) override { PYBIND11_OVERRIDE(void, Listener, warnings, messages); }
-  void progress(const std::string& label, std::size_t done, std::size_t total) override {
-    const py::gil_scoped_acquire lock;
-    if (total > 0) {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      tell(label, done, total);
-      return;
-    }
-    // The job has failed, for a reason that must not be lost to another one.
-    const py::error_scope reason;
-    try {
-      tell(label, done, total);
-    } catch (py::error_already_set& error) {
-      error.discard_as_unraisable("poecal.Listener.progress");
-    }
-  }
-
- private:
-  void tell(const std::string& label, std::size_t done, std::size_t total) {
-    PYBIND11_OVERRIDE(void, Listener, progress, label, done, total);
-  }
-};
-
-/// Where nobody listens, warnings are Python's.
-class PlainListener : public PythonListener {
- public:
-  void warning(const std::string& message) override {
-    const py::gil_scoped_acquire lock;
-    if (PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 1) != 0) throw py::error_already_set();
-  }
-  void warnings(const std::vector<std::string>& messages) override { Listener::warnings(messages); }
-};
-
 constexpr ResultFiles kAllFiles{.registration = true, .identification = true, .diagnosis = true};
 
 template <typename Source>
@@ -71,7 +32,13 @@ void bindOptions(py::module_& module) {
       .value("kStated", CameraChoice::kStated)
       .value("kFree", CameraChoice::kFree)
       .value("kAuto", CameraChoice::kAuto);
-  Struct<IdentifyOptions>(module, "IdentifyOptions", "Options of the identification.")
+  Struct<RegistrationOptions>(module, "RegistrationOptions", "Options of the registration.")
+      .made()
+      .member("hypotheses", &RegistrationOptions::hypotheses)
+      .member("robust", &RegistrationOptions::robust)
+      .member("leave_out_bad", &RegistrationOptions::leave_out_bad)
+      .member("progress", &RegistrationOptions::progress);
+  Struct<IdentifyOptions>(module, "IdentifyOptions", "Options of the identification; calibrate() has `jobs` and `progress` of its own.")
       .made()
       .member("method", &IdentifyOptions::method)
       .member("tolerance_position", &IdentifyOptions::tolerance_position)
@@ -82,17 +49,49 @@ void bindOptions(py::module_& module) {
       .member("hold_out_every", &IdentifyOptions::hold_out_every)
       .member("leave_one_out", &IdentifyOptions::leave_one_out)
       .member("registered", &IdentifyOptions::registered)
-      .member("allow_still_joints", &IdentifyOptions::allow_still_joints);
-  Struct<DiagnoseOptions>(module, "DiagnoseOptions", "Options of the diagnosis.")
+      .member("jobs", &IdentifyOptions::jobs)
+      .member("allow_still_joints", &IdentifyOptions::allow_still_joints)
+      .member("progress", &IdentifyOptions::progress);
+  Struct<DiagnoseOptions>(module, "DiagnoseOptions", "Options of the diagnosis; calibrate() has `jobs` and `progress` of its own.")
       .made()
       .member("folds", &DiagnoseOptions::folds)
-      .member("seed", &DiagnoseOptions::seed);
-  Struct<CalibrateOptions>(module, "CalibrateOptions", "Options of a calibration; the result does not depend on `jobs`.")
+      .member("seed", &DiagnoseOptions::seed)
+      .member("jobs", &DiagnoseOptions::jobs)
+      .member("progress", &DiagnoseOptions::progress);
+  Struct<CalibrateOptions>(module, "CalibrateOptions",
+                           "Options of a calibration. The result does not depend on `jobs`; `progress` is told of every step.")
       .made()
       .member("last", &CalibrateOptions::last)
       .member("identify", &CalibrateOptions::identify)
       .member("diagnose", &CalibrateOptions::diagnose)
-      .member("jobs", &CalibrateOptions::jobs);
+      .member("jobs", &CalibrateOptions::jobs)
+      .member("progress", &CalibrateOptions::progress);
+}
+
+/// What calibrate() does in turn.
+void bindSteps(py::module_& module) {
+  module.def(
+      "registerCell",
+      [](const Cell& cell, const std::vector<Observation>& observations, const RegistrationOptions& options) {
+        return registerCell(cell, observations, stoppable(options));
+      },
+      py::arg("cell"), py::arg("observations"), py::arg_v("options", RegistrationOptions(), "RegistrationOptions()"), Unlocked(),
+      "Finds where camera and target are, from the corners of pictures.");
+  module.def(
+      "identify",
+      [](const Cell& cell, const Measurements& measurements, const IdentifyOptions& options, const RegistrationResult* registration) {
+        return identify(cell, measurements, stoppable(options), registration);
+      },
+      py::arg("cell"), py::arg("measurements"), py::arg_v("options", IdentifyOptions(), "IdentifyOptions()"),
+      py::arg("registration") = py::none(), Unlocked(),
+      "Identifies the arm; `registration` is of these measurements, where it was done already.");
+  module.def(
+      "diagnose",
+      [](const Identification& identification, const Measurements& measurements, const DiagnoseOptions& options) {
+        return diagnose(identification, measurements, stoppable(options));
+      },
+      py::arg("identification"), py::arg("measurements"), py::arg_v("options", DiagnoseOptions(), "DiagnoseOptions()"), Unlocked(),
+      "Diagnoses what an identification of these measurements leaves.");
 }
 
 void bindSources(py::module_& module) {
@@ -119,11 +118,6 @@ void bindSources(py::module_& module) {
       .member("registration", &ResultFiles::registration)
       .member("identification", &ResultFiles::identification)
       .member("diagnosis", &ResultFiles::diagnosis);
-  py::class_<Listener, PythonListener>(module, "Listener", "Hears what a long job has to say; override what is of interest.")
-      .def(py::init<>())
-      .def("warning", &Listener::warning, py::arg("message"))
-      .def("warnings", &Listener::warnings, py::arg("messages"))
-      .def("progress", &Listener::progress, py::arg("label"), py::arg("done"), py::arg("total"));
 }
 
 void bindRuns(py::module_& module) {
@@ -136,7 +130,12 @@ void bindRuns(py::module_& module) {
       .result("measurements", &LoadedCapture::measurements);
   const auto options = [] { return py::arg_v("options", CalibrateOptions(), "CalibrateOptions()"); };
   const auto files = [] { return py::arg_v("files", kAllFiles, "ResultFiles(registration=True, identification=True, diagnosis=True)"); };
-  module.def("calibrate", calibrate, py::arg("nominal"), py::arg("measurements"), options(), Unlocked(), "Calibrates a cell from memory.");
+  module.def(
+      "calibrate",
+      [](const Cell& nominal, const Measurements& measurements, const CalibrateOptions& how) {
+        return calibrate(nominal, measurements, stoppable(how));
+      },
+      py::arg("nominal"), py::arg("measurements"), options(), Unlocked(), "Calibrates a cell from memory.");
   module.def(
       "runCapture",
       [](const CaptureSource& source, const std::filesystem::path& out, const CalibrateOptions& how, const ResultFiles& which,
@@ -249,6 +248,7 @@ void bindChecks(py::module_& module) {
 
 void bindCalibration(py::module_& module) {
   bindOptions(module);
+  bindSteps(module);
   bindSources(module);
   bindRuns(module);
   bindIntrinsics(module);

@@ -7,8 +7,6 @@
 namespace poecal::python {
 namespace {
 
-using Unlocked = py::call_guard<py::gil_scoped_release>;
-
 void bindEffectTypes(py::module_& module) {
   Struct<EffectSpec>(module, "EffectSpec", "An effect as a file says it: what, where, how large, what drives it.")
       .made()

@@ -154,6 +154,29 @@ void bindCell(py::module_& module) {
              "Pixels of the target's points that the camera can see.");
 }
 
+void bindObservations(py::module_& module) {
+  Struct<CornerMeasurement>(module, "CornerMeasurement", "A named point of the target [m] seen at a pixel; sigma per axis [px].")
+      .made()
+      .member("id", &CornerMeasurement::id)
+      .member("p_target", &CornerMeasurement::p_target)
+      .member("px", &CornerMeasurement::px)
+      .member("sigma_px", &CornerMeasurement::sigma_px);
+  Struct<PoseMeasurement>(module, "PoseMeasurement",
+                          "A measured pose; its residual (rotation [rad]; position [m] in camera) times `whitening` has unit covariance.")
+      .made()
+      .member("T_camera_target", &PoseMeasurement::T_camera_target)
+      .member("whitening", &PoseMeasurement::whitening)
+      .member("position_only", &PoseMeasurement::position_only);
+  Struct<Observation>(module, "Observation", "All that one sample measured: corners, or a pose.")
+      .made()
+      .member("sample", &Observation::sample)
+      .member("q", &Observation::q)
+      .member("T_base_flange", &Observation::T_base_flange)
+      .member("corners", &Observation::corners)
+      .member("pose", &Observation::pose)
+      .member("reference", &Observation::reference);
+}
+
 void bindMeasured(py::module_& module) {
   Struct<Measurements>(module, "Measurements", "All that was measured of a cell: either corners or poses.")
       .made()
@@ -161,6 +184,7 @@ void bindMeasured(py::module_& module) {
       .member("target", &Measurements::target)
       .member("samples", &Measurements::samples)
       .member("other_columns", &Measurements::other_columns)
+      .member("observations", &Measurements::observations)
       .member("sigmas_stated", &Measurements::sigmas_stated)
       .member("groups", &Measurements::groups)
       .member("gravity", &Measurements::gravity)
@@ -197,6 +221,7 @@ void bindMeasurements(py::module_& module) {
   bindTarget(module);
   bindSamples(module);
   bindCell(module);
+  bindObservations(module);
   bindMeasured(module);
   bindCapture(module);
 }

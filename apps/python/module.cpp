@@ -32,12 +32,15 @@ bool isOurs(const py::handle& type) { return std::string(py::str(type.attr("__mo
 
 std::string memberText(const py::handle& value);
 
-/// "(1, 2)"; "<60 Sample>" of what is long or has members itself.
+std::string typeName(const py::handle& value) { return py::str(py::type::of(value).attr("__name__")); }
+
+/// "<60 Sample>".
+std::string countText(std::size_t count, const std::string& of) { return "<" + std::to_string(count) + " " + of + ">"; }
+
+/// "(1, 2)"; the number of what is long or has members itself.
 std::string listText(const py::sequence& list) {
   constexpr std::size_t kLong = 7;
-  const py::object type = py::type::of(list[0]);
-  if (isOurs(type) || list.size() >= kLong)
-    return "<" + std::to_string(list.size()) + " " + std::string(py::str(type.attr("__name__"))) + ">";
+  if (isOurs(py::type::of(list[0])) || list.size() >= kLong) return countText(list.size(), typeName(list[0]));
   std::string text;
   for (const auto& item : list) text += (text.empty() ? "" : ", ") + memberText(item);
   return "(" + text + ")";
@@ -49,8 +52,15 @@ std::string mapText(const py::dict& map) {
   return "{" + text + "}";
 }
 
+/// Whole files, such as a page to print.
+bool isLongText(const py::handle& value) {
+  constexpr std::size_t kLong = 500;
+  return (py::isinstance<py::str>(value) || py::isinstance<py::bytes>(value)) && py::len(value) > kLong;
+}
+
 std::string memberText(const py::handle& value) {
   constexpr std::size_t kShort = 100;
+  if (isLongText(value)) return countText(py::len(value), typeName(value));
   if (py::isinstance<py::float_>(value)) return py::str("{:.6g}").format(value.cast<double>() + 0.0);  // no -0
   if (py::isinstance<py::tuple>(value)) return listText(py::reinterpret_borrow<py::sequence>(value));
   if (py::isinstance(value, py::module_::import("types").attr("MappingProxyType")))
@@ -60,8 +70,7 @@ std::string memberText(const py::handle& value) {
     return row ? listText(value.attr("tolist")()) : "<array " + std::string(py::str(value.attr("shape"))) + ">";
   }
   std::string text = py::repr(value);
-  const py::type type = py::type::of(value);
-  return isOurs(type) && text.size() > kShort ? "<" + std::string(py::str(type.attr("__name__"))) + ">" : text;
+  return isOurs(py::type::of(value)) && text.size() > kShort ? "<" + typeName(value) + ">" : text;
 }
 
 bool isEmpty(const py::object& value) { return value.is_none() || (py::hasattr(value, "__len__") && py::len(value) == 0); }
@@ -97,11 +106,17 @@ PYBIND11_MODULE(poecal, module) {
       "Long calls let other threads run: no object may change while one works on it.";
   module.attr("__version__") = POECAL_VERSION;
   bindErrors(module);
+  bindProgress(module);
   bindArm(module);
   bindMeasurements(module);
   bindEffects(module);
   bindResults(module);
   bindCalibration(module);
+  bindDetection(module);
+  bindSimulation(module);
+  bindPlanning(module);
+  bindExporting(module);
+  bindPrinting(module);
   for (const auto item : py::list(module.attr("__dict__").attr("values")())) {
     if (py::isinstance<py::type>(item)) addPep8Names(py::reinterpret_borrow<py::object>(item));
   }

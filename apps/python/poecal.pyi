@@ -4,7 +4,7 @@
 # read_results. Arrays are of doubles. What is read of an object is a copy where it is a list, a map, an array or may be None: change one
 # and set it again.
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import ClassVar, Final
 
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 _Array = NDArray[np.float64]
 _Path = str | os.PathLike[str]
+_Progress = Callable[[str, int, int], object]  # told the name of the job, how many of its pieces are done, and of how many
 
 __version__: str
 
@@ -271,18 +272,54 @@ class Corner:
     def __copy__(self) -> Corner: ...
     def __deepcopy__(self, memo: dict[int, object]) -> Corner: ...
 
+class CornerMeasurement:
+    """A named point of the target [m] seen at a pixel; sigma per axis [px]."""
+    id: PointId
+    p_target: _Array
+    px: _Array
+    sigma_px: float
+    def __init__(self, *, id: PointId = ..., p_target: ArrayLike = ..., px: ArrayLike = ..., sigma_px: float = ...) -> None: ...
+    def __copy__(self) -> CornerMeasurement: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> CornerMeasurement: ...
+
+class PoseMeasurement:
+    """A measured pose; its residual (rotation [rad]; position [m] in camera) times `whitening` has unit covariance."""
+    T_camera_target: _Array
+    whitening: _Array
+    position_only: bool
+    def __init__(self, *, T_camera_target: ArrayLike = ..., whitening: ArrayLike = ..., position_only: bool = ...) -> None: ...
+    def __copy__(self) -> PoseMeasurement: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PoseMeasurement: ...
+
+class Observation:
+    """All that one sample measured: corners, or a pose."""
+    sample: int
+    q: _Array
+    T_base_flange: _Array | None
+    corners: Sequence[CornerMeasurement]
+    pose: PoseMeasurement | None
+    reference: Sequence[CornerMeasurement]
+    def __init__(
+        self, *, sample: int = ..., q: ArrayLike = ..., T_base_flange: ArrayLike | None = ..., corners: Sequence[CornerMeasurement] = ...,
+        pose: PoseMeasurement | None = ..., reference: Sequence[CornerMeasurement] = ...
+    ) -> None: ...
+    def __copy__(self) -> Observation: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Observation: ...
+
 class Measurements:
     """All that was measured of a cell: either corners or poses."""
     setup: Setup
     target: Target
     samples: Sequence[Sample]
     other_columns: Sequence[str]
+    observations: Sequence[Observation]
     sigmas_stated: bool
     groups: Sequence[Sequence[int]]
     gravity: _Array
     def __init__(
         self, *, setup: Setup = ..., target: Target = ..., samples: Sequence[Sample] = ..., other_columns: Sequence[str] = ...,
-        sigmas_stated: bool = ..., groups: Sequence[Sequence[int]] = ..., gravity: ArrayLike = ...
+        observations: Sequence[Observation] = ..., sigmas_stated: bool = ..., groups: Sequence[Sequence[int]] = ...,
+        gravity: ArrayLike = ...
     ) -> None: ...
     def __copy__(self) -> Measurements: ...
     def __deepcopy__(self, memo: dict[int, object]) -> Measurements: ...
@@ -662,8 +699,20 @@ class CameraChoice(_Enum):
     kFree: ClassVar[CameraChoice]
     kAuto: ClassVar[CameraChoice]
 
+class RegistrationOptions:
+    """Options of the registration."""
+    hypotheses: int
+    robust: bool
+    leave_out_bad: bool
+    progress: _Progress | None
+    def __init__(
+        self, *, hypotheses: int = ..., robust: bool = ..., leave_out_bad: bool = ..., progress: _Progress | None = ...
+    ) -> None: ...
+    def __copy__(self) -> RegistrationOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> RegistrationOptions: ...
+
 class IdentifyOptions:
-    """Options of the identification."""
+    """Options of the identification; calibrate() has `jobs` and `progress` of its own."""
     method: Method
     tolerance_position: float
     tolerance_rotation: float
@@ -673,31 +722,37 @@ class IdentifyOptions:
     hold_out_every: int
     leave_one_out: bool
     registered: bool
+    jobs: int
     allow_still_joints: bool
+    progress: _Progress | None
     def __init__(
         self, *, method: Method = ..., tolerance_position: float = ..., tolerance_rotation: float = ..., camera: CameraChoice = ...,
         robust: bool = ..., gao_length_unit: float = ..., hold_out_every: int = ..., leave_one_out: bool = ..., registered: bool = ...,
-        allow_still_joints: bool = ...
+        jobs: int = ..., allow_still_joints: bool = ..., progress: _Progress | None = ...
     ) -> None: ...
     def __copy__(self) -> IdentifyOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> IdentifyOptions: ...
 
 class DiagnoseOptions:
-    """Options of the diagnosis."""
+    """Options of the diagnosis; calibrate() has `jobs` and `progress` of its own."""
     folds: int
     seed: int
-    def __init__(self, *, folds: int = ..., seed: int = ...) -> None: ...
+    jobs: int
+    progress: _Progress | None
+    def __init__(self, *, folds: int = ..., seed: int = ..., jobs: int = ..., progress: _Progress | None = ...) -> None: ...
     def __copy__(self) -> DiagnoseOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> DiagnoseOptions: ...
 
 class CalibrateOptions:
-    """Options of a calibration; the result does not depend on `jobs`."""
+    """Options of a calibration. The result does not depend on `jobs`; `progress` is told of every step."""
     last: CalibrationStep
     identify: IdentifyOptions
     diagnose: DiagnoseOptions
     jobs: int
+    progress: _Progress | None
     def __init__(
-        self, *, last: CalibrationStep = ..., identify: IdentifyOptions = ..., diagnose: DiagnoseOptions = ..., jobs: int = ...
+        self, *, last: CalibrationStep = ..., identify: IdentifyOptions = ..., diagnose: DiagnoseOptions = ..., jobs: int = ...,
+        progress: _Progress | None = ...
     ) -> None: ...
     def __copy__(self) -> CalibrateOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> CalibrateOptions: ...
@@ -844,6 +899,380 @@ class NewCapture:
     ) -> None: ...
     def __copy__(self) -> NewCapture: ...
     def __deepcopy__(self, memo: dict[int, object]) -> NewCapture: ...
+
+class PictureLook:
+    """What a picture looks like: blur [px] and noise [grey levels of 255], 1 sigma; growth of dark into light [px]."""
+    blur: float
+    noise: float
+    growth: float
+    def __init__(self, *, blur: float = ..., noise: float = ..., growth: float = ...) -> None: ...
+    def __copy__(self) -> PictureLook: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PictureLook: ...
+
+class ImageCorners:
+    """The corners of one picture, sorted by id."""
+    image: str
+    corners: Sequence[Corner]
+    look: PictureLook | None
+    def __init__(self, *, image: str = ..., corners: Sequence[Corner] = ..., look: PictureLook | None = ...) -> None: ...
+    def __copy__(self) -> ImageCorners: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> ImageCorners: ...
+
+class Detections:
+    """Pictures in the order of the capture, with their corners."""
+    images: Sequence[ImageCorners]
+    def __init__(self, *, images: Sequence[ImageCorners] = ...) -> None: ...
+    def __copy__(self) -> Detections: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Detections: ...
+    def find(self, image: str) -> ImageCorners | None:
+        """A picture's corners; None where it is not there."""
+
+class DetectOptions:
+    """Options of a detection; the result does not depend on `jobs`."""
+    jobs: int
+    quad_decimate: float
+    refine: bool
+    camera: Camera | None
+    expected_width: int
+    expected_height: int
+    other_tags: Sequence[int]
+    progress: _Progress | None
+    def __init__(
+        self, *, jobs: int = ..., quad_decimate: float = ..., refine: bool = ..., camera: Camera | None = ..., expected_width: int = ...,
+        expected_height: int = ..., other_tags: Sequence[int] = ..., progress: _Progress | None = ...
+    ) -> None: ...
+    def __copy__(self) -> DetectOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> DetectOptions: ...
+
+class PictureNote:
+    """A remark about one picture; `failed`: no corners came from it."""
+    image: Final[str]
+    message: Final[str]
+    failed: Final[bool]
+    def text(self) -> str:
+        """The picture and the message."""
+
+class DetectResult:
+    """Corners of each picture in the order given, remarks, and the pictures' size [px]."""
+    detections: Final[Detections]
+    notes: Final[tuple[PictureNote, ...]]
+    width: Final[int]
+    height: Final[int]
+
+class KnownCorners:
+    """Corners found before, kept in a file: no picture is searched twice."""
+    def __init__(self, file: _Path) -> None: ...
+    def read(self, file: _Path) -> None:
+        """Takes in what another such file knows."""
+    def finish(self) -> None:
+        """Rewrites the file with what was asked for or added alone, sorted."""
+    def reused(self) -> int:
+        """How many pictures were not searched again."""
+
+class BoardView:
+    """A board's points in one picture: 3 x N p_target [m], 2 x N pixels [px], N sigmas [px] or none."""
+    image: str
+    points: _Array
+    pixels: _Array
+    sigmas: _Array
+    def __init__(self, *, image: str = ..., points: ArrayLike = ..., pixels: ArrayLike = ..., sigmas: ArrayLike = ...) -> None: ...
+    def __copy__(self) -> BoardView: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> BoardView: ...
+
+class BoardPictures:
+    """A folder of pictures of a board: a view each, remarks, and the pictures' size [px]."""
+    target: Final[Target]
+    views: Final[tuple[BoardView, ...]]
+    notes: Final[tuple[PictureNote, ...]]
+    width: Final[int]
+    height: Final[int]
+
+class ImageOptions:
+    """How pictures are drawn: blur [px] and noise [grey levels of 255], 1 sigma; background "clutter" or "plain"."""
+    blur: float
+    noise: float
+    background: str
+    def __init__(self, *, blur: float = ..., noise: float = ..., background: str = ...) -> None: ...
+    def __copy__(self) -> ImageOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> ImageOptions: ...
+
+class Scene:
+    """A cell whose truth is known: what is true, what the capture is told, and what is drawn."""
+    file: Path
+    name: str
+    nominal: Arm
+    robot_file: Path
+    base_link: str
+    tip_link: str
+    actual: Arm
+    camera: Camera
+    stated_camera: Camera
+    target: Target
+    stated_target: Target
+    registration: Registration
+    effects: Sequence[AppliedEffect]
+    count: int
+    seed: int
+    repeats: int
+    samples_file: Path
+    image: ImageOptions | None
+    looks: Sequence[PictureLook]
+    corner_sigma: float | None
+    board: Target | None
+    board_count: int
+    def __init__(
+        self, *, file: _Path = ..., name: str = ..., nominal: Arm = ..., robot_file: _Path = ..., base_link: str = ..., tip_link: str = ...,
+        actual: Arm = ..., camera: Camera = ..., stated_camera: Camera = ..., target: Target = ..., stated_target: Target = ...,
+        registration: Registration = ..., effects: Sequence[AppliedEffect] = ..., count: int = ..., seed: int = ..., repeats: int = ...,
+        samples_file: _Path = ..., image: ImageOptions | None = ..., looks: Sequence[PictureLook] = ..., corner_sigma: float | None = ...,
+        board: Target | None = ..., board_count: int = ...
+    ) -> None: ...
+    def __copy__(self) -> Scene: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Scene: ...
+
+class SimulateOptions:
+    """Options of a simulation; the result does not depend on `jobs`."""
+    jobs: int
+    progress: _Progress | None
+    def __init__(self, *, jobs: int = ..., progress: _Progress | None = ...) -> None: ...
+    def __copy__(self) -> SimulateOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> SimulateOptions: ...
+
+class SimulateSummary:
+    """What a simulation wrote; `truth` is the truth's folder."""
+    poses: Final[int]
+    samples: Final[int]
+    without_target: Final[int]
+    corners: Final[int]
+    pictures: Final[bool]
+    boards: Final[int]
+    truth: Final[Path]
+
+class PlanNoise:
+    """Noise of the pictures to come, 1 sigma: of a corner and of a whole tag [px], of each joint's repeats [rad]."""
+    corner: float
+    tag: float
+    repeatability: float
+    def __init__(self, *, corner: float = ..., tag: float = ..., repeatability: float = ...) -> None: ...
+    def __copy__(self) -> PlanNoise: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PlanNoise: ...
+
+class Rival:
+    """An explanation that a diagnosis left open."""
+    effect: str
+    location: str
+    driver: str
+    probability: float
+    def __init__(self, *, effect: str = ..., location: str = ..., driver: str = ..., probability: float = ...) -> None: ...
+    def __copy__(self) -> Rival: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Rival: ...
+
+class Rivals:
+    """Explanations of one finding of which one is right; the finding itself is the first."""
+    explanations: Sequence[Rival]
+    separate_with: str
+    def __init__(self, *, explanations: Sequence[Rival] = ..., separate_with: str = ...) -> None: ...
+    def __copy__(self) -> Rivals: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Rivals: ...
+
+class PlanningCell:
+    """A cell and all that is known of it before the poses that are planned; positions in [m], rotations in [rad], 1 sigma."""
+    nominal: Cell
+    model: Model
+    target: Target
+    taken: Measurements
+    robot_file: Path
+    noise: PlanNoise
+    tolerance_position: float
+    tolerance_rotation: float
+    arm_beyond_tolerance: float
+    rough_position: float
+    rough_rotation: float
+    open: Sequence[Rivals]
+    def __init__(
+        self, *, nominal: Cell = ..., model: Model = ..., target: Target = ..., taken: Measurements = ..., robot_file: _Path = ...,
+        noise: PlanNoise = ..., tolerance_position: float = ..., tolerance_rotation: float = ..., arm_beyond_tolerance: float = ...,
+        rough_position: float = ..., rough_rotation: float = ..., open: Sequence[Rivals] = ...
+    ) -> None: ...
+    def __copy__(self) -> PlanningCell: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PlanningCell: ...
+
+class PlanSource:
+    """A capture, and the model.yaml that was found from it."""
+    capture: CaptureSource
+    model: Path
+    def __init__(self, *, capture: CaptureSource | _Path = ..., model: _Path = ...) -> None: ...
+    def __copy__(self) -> PlanSource: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PlanSource: ...
+
+class FirstCapture:
+    """Before the first picture: files, and where camera and target roughly are [m], [rad]: in base and in flange; eye in hand: in flange
+    and in base."""
+    robot: Path
+    camera: Path
+    target: Path
+    base_link: str
+    tip_link: str
+    setup: Setup
+    registration: Path
+    camera_at: _Array | None
+    look_at: _Array | None
+    target_at: _Array
+    target_faces: _Array
+    rough_position: float
+    corner_sigma: float
+    rough_rotation: float
+    def __init__(
+        self, *, robot: _Path = ..., camera: _Path = ..., target: _Path = ..., base_link: str = ..., tip_link: str = ...,
+        setup: Setup = ..., registration: _Path = ..., camera_at: ArrayLike | None = ..., look_at: ArrayLike | None = ...,
+        target_at: ArrayLike = ..., target_faces: ArrayLike = ..., rough_position: float = ..., corner_sigma: float = ...,
+        rough_rotation: float = ...
+    ) -> None: ...
+    def __copy__(self) -> FirstCapture: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> FirstCapture: ...
+
+class PlanAim(_Enum):
+    """What the poses are for."""
+    kTool: ClassVar[PlanAim]
+    kSeparate: ClassVar[PlanAim]
+    kDetect: ClassVar[PlanAim]
+
+class PlanCriterion(_Enum):
+    """A: mean variance of the tool's position. D: volume of the confidence region."""
+    kA: ClassVar[PlanCriterion]
+    kD: ClassVar[PlanCriterion]
+
+class PlanOptions:
+    """Options of a plan; radii and the floor's height in [m]. The result does not depend on `jobs`."""
+    aim: PlanAim
+    criterion: PlanCriterion
+    count: int
+    candidates: int
+    seed: int
+    link_radius: float
+    camera_radius: float
+    floor: float | None
+    detect: str
+    detect_size: float
+    odds: float
+    jobs: int
+    def __init__(
+        self, *, aim: PlanAim = ..., criterion: PlanCriterion = ..., count: int = ..., candidates: int = ..., seed: int = ...,
+        link_radius: float = ..., camera_radius: float = ..., floor: float | None = ..., detect: str = ..., detect_size: float = ...,
+        odds: float = ..., jobs: int = ...
+    ) -> None: ...
+    def __copy__(self) -> PlanOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PlanOptions: ...
+
+class ToolUncertainty:
+    """Error of the tool before the camera, 1 sigma, mean over the workspace [m], [rad]."""
+    position: Final[float]
+    rotation: Final[float]
+
+class PlannedPose:
+    """Joint readings [rad] or [m], and the side from which each joint is to come: -1, 0, 1."""
+    q: Final[_Array]
+    dir: Final[_Array]
+
+class RivalOdds:
+    """Odds of the better of two rivals, where the first is right."""
+    right: Final[str]
+    wrong: Final[str]
+    before: Final[float]
+    expected: Final[float]
+
+class Detection:
+    """How well an effect of the size asked for would show."""
+    chi_square: Final[float]
+    probability: Final[float]
+
+class Plan:
+    """Poses in an order that makes a short path, and what they bring."""
+    poses: Final[tuple[PlannedPose, ...]]
+    before: Final[ToolUncertainty]
+    after: Final[ToolUncertainty]
+    random_poses: Final[int | None]
+    random_tried: Final[int]
+    odds: Final[tuple[RivalOdds, ...]]
+    not_told: Final[tuple[str, ...]]
+    detection_before: Final[Detection | None]
+    detection_after: Final[Detection | None]
+    sides_matter: Final[bool]
+    link_radius: Final[float]
+    visible: Final[int]
+    drawn: Final[int]
+
+class DhRule(_Enum):
+    """Denavit and Hartenberg's rule, or Hayati's of nearly parallel axes."""
+    kDh: ClassVar[DhRule]
+    kHayati: ClassVar[DhRule]
+
+class DhRow:
+    """One joint: Rz(theta) Tz(d) Tx(a) Rx(alpha) Ry(beta) in [m] and [rad]; q is added at theta or d."""
+    rule: DhRule
+    a: float
+    alpha: float
+    d: float
+    theta: float
+    beta: float
+    def __init__(
+        self, *, rule: DhRule = ..., a: float = ..., alpha: float = ..., d: float = ..., theta: float = ..., beta: float = ...
+    ) -> None: ...
+    def __copy__(self) -> DhRow: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> DhRow: ...
+
+class DhTable:
+    """T_base_flange(q) = base A_1(q_1) ... A_n(q_n) tool."""
+    base: _Array
+    rows: Sequence[DhRow]
+    tool: _Array
+    def __init__(self, *, base: ArrayLike = ..., rows: Sequence[DhRow] = ..., tool: ArrayLike = ...) -> None: ...
+    def __copy__(self) -> DhTable: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> DhTable: ...
+    def plain(self) -> bool:
+        """Whether the rows alone describe the arm."""
+
+class DhTables:
+    """The nominal arm and the calibrated one by the same rules and signs."""
+    nominal: DhTable
+    calibrated: DhTable
+    def __init__(self, *, nominal: DhTable = ..., calibrated: DhTable = ...) -> None: ...
+    def __copy__(self) -> DhTables: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> DhTables: ...
+
+class FrameNames:
+    """Names of the frames in what is written."""
+    base: str
+    flange: str
+    camera: str
+    target: str
+    def __init__(self, *, base: str = ..., flange: str = ..., camera: str = ..., target: str = ...) -> None: ...
+    def __copy__(self) -> FrameNames: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> FrameNames: ...
+
+class Paper:
+    """A sheet of paper, either way up [m]."""
+    name: str
+    width: float
+    height: float
+    def __init__(self, *, name: str = ..., width: float = ..., height: float = ...) -> None: ...
+    def __copy__(self) -> Paper: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> Paper: ...
+
+class SheetPage:
+    """One page [m]. Its frame: origin in the top-left corner, x right, y down, z into the paper; the SVG is in millimetres."""
+    svg: Final[str]
+    width: Final[float]
+    height: Final[float]
+    tags: Final[tuple[int, ...]]
+    T_page_target: Final[_Array]
+    ruler: Final[float]
+    ruler_corner: Final[_Array]
+
+class TargetSheet:
+    """A target to print: all pages as one PDF, and each by itself."""
+    pages: Final[tuple[SheetPage, ...]]
+    pdf: Final[bytes]
 
 def expSe3(xi: ArrayLike) -> _Array:
     """exp of the twist (w; v) [rad; m]."""
@@ -1032,6 +1461,18 @@ def diagnosisJson(calibration: Calibration, measurements: Measurements) -> str:
     """Text of diagnosis.json."""
 diagnosis_json = diagnosisJson
 
+def registerCell(cell: Cell, observations: Sequence[Observation], options: RegistrationOptions = ...) -> RegistrationResult:
+    """Finds where camera and target are, from the corners of pictures."""
+register_cell = registerCell
+
+def identify(
+    cell: Cell, measurements: Measurements, options: IdentifyOptions = ..., registration: RegistrationResult | None = ...
+) -> Identification:
+    """Identifies the arm; `registration` is of these measurements, where it was done already."""
+
+def diagnose(identification: Identification, measurements: Measurements, options: DiagnoseOptions = ...) -> Diagnosis:
+    """Diagnoses what an identification of these measurements leaves."""
+
 def calibrate(nominal: Cell, measurements: Measurements, options: CalibrateOptions = ...) -> Calibration:
     """Calibrates a cell from memory."""
 
@@ -1076,3 +1517,136 @@ check_capture = checkCapture
 def createCapture(capture: NewCapture) -> list[Path]:
     """Makes a capture folder to fill in."""
 create_capture = createCapture
+
+def readDetections(file: _Path, target: Target) -> Detections:
+    """Reads detections.csv."""
+read_detections = readDetections
+
+def detectionsCsv(detections: Detections) -> str:
+    """Text of detections.csv."""
+detections_csv = detectionsCsv
+
+def picturesCsv(detections: Detections) -> str:
+    """Text of detections-pictures.csv: a row for each picture that has a look."""
+pictures_csv = picturesCsv
+
+def readPictureLooks(file: _Path) -> list[PictureLook]:
+    """Reads a table of looks, as picturesCsv() writes it."""
+read_picture_looks = readPictureLooks
+
+def medianLook(looks: Sequence[PictureLook]) -> PictureLook | None:
+    """The median of each figure by itself; None where there are no looks."""
+median_look = medianLook
+
+def measurementsOf(capture: Capture, detections: Detections) -> Measurements:
+    """The corners of a capture, for calibrate()."""
+measurements_of = measurementsOf
+
+def calibrateIntrinsics(views: Sequence[BoardView], width: int, height: int, options: IntrinsicsOptions = ...) -> IntrinsicsResult:
+    """Fits a camera and one board pose per picture."""
+calibrate_intrinsics = calibrateIntrinsics
+
+def detect(
+    folder: _Path, images: Sequence[str], target: Target, options: DetectOptions = ..., known: KnownCorners | None = ...
+) -> DetectResult:
+    """Corners of the target in each of the pictures, which are named from the folder."""
+
+def detectCapture(capture: Capture, options: DetectOptions = ..., known: KnownCorners | None = ...) -> DetectResult:
+    """Corners of the target in the picture of every sample, and of the reference where there is one."""
+detect_capture = detectCapture
+
+def readBoardPictures(folder: _Path, options: DetectOptions = ..., known: KnownCorners | None = ...) -> BoardPictures:
+    """Finds the target of folder/target.yaml in every picture of the folder."""
+read_board_pictures = readBoardPictures
+
+def texts(notes: Sequence[PictureNote]) -> list[str]:
+    """The picture and the message of each remark."""
+
+def listPictures(folder: _Path) -> list[str]:
+    """Names of a folder's pictures, sorted."""
+list_pictures = listPictures
+
+def knownFamilies() -> list[str]:
+    """Families of tags that can be detected."""
+known_families = knownFamilies
+
+def readScene(file: _Path) -> Scene:
+    """Reads scene.yaml."""
+read_scene = readScene
+
+def imageOptions(scene: Scene, index: int) -> ImageOptions:
+    """How a scene's picture of this number is drawn."""
+image_options = imageOptions
+
+def drawSamples(scene: Scene) -> SampleTable:
+    """Joint readings of a scene [rad] or [m]: from its file, or drawn within the limits with the target in view."""
+draw_samples = drawSamples
+
+def trueCorners(scene: Scene, samples: SampleTable) -> list[ImageCorners]:
+    """Exact corners at each sample [px], with the scene's effects."""
+true_corners = trueCorners
+
+def simulate(scene: Scene, capture: _Path, options: SimulateOptions = ...) -> SimulateSummary:
+    """Writes the capture folder, and its truth beside it in the folder CAPTURE-truth."""
+
+def renderTarget(
+    camera: Camera, target: Target, T_camera_target: ArrayLike, options: ImageOptions = ..., seed: int = ..., stream: int = ...
+) -> NDArray[np.uint8]:
+    """A grey picture of the target, height x width of 0..255; seed and stream are of its background and noise."""
+render_target = renderTarget
+
+def readPlanningCell(source: PlanSource) -> PlanningCell:
+    """What a plan starts from, of a capture with its results."""
+read_planning_cell = readPlanningCell
+
+def firstCapture(first: FirstCapture) -> PlanningCell:
+    """What a plan of a whole first capture starts from."""
+first_capture = firstCapture
+
+def planPoses(cell: PlanningCell, options: PlanOptions = ...) -> Plan:
+    """Chooses poses within the limits that show the target and touch nothing obvious."""
+plan_poses = planPoses
+
+def toolUncertainty(cell: PlanningCell, more: Sequence[Sample]) -> ToolUncertainty:
+    """The uncertainty of the tool once corners are seen at these samples as well."""
+tool_uncertainty = toolUncertainty
+
+def planCsv(plan: Plan, taken: int = ...) -> str:
+    """Text of next.csv; pictures are numbered on from `taken`."""
+plan_csv = planCsv
+
+def dhTables(nominal: Arm, calibrated: Arm) -> DhTables:
+    """Both arms by their parameters, which compare row by row."""
+dh_tables = dhTables
+
+def dhForward(table: DhTable, arm: Arm, q: ArrayLike) -> _Array:
+    """T_base_flange(q) by the table: 4 x 4 of n readings [rad] or [m], N x 4 x 4 of N x n. `arm` says which joints slide."""
+dh_forward = dhForward
+
+def dhYaml(tables: DhTables, arm: Arm) -> str:
+    """Text of dh.yaml."""
+dh_yaml = dhYaml
+
+def frameNames(model: Model) -> FrameNames:
+    """base" and "flange", or the links of the model's URDF."""
+frame_names = frameNames
+
+def cameraInfoYaml(model: Model) -> str:
+    """Text of ROS's camera_info file."""
+camera_info_yaml = cameraInfoYaml
+
+def transformsYaml(model: Model, names: FrameNames) -> str:
+    """Text of the cell's two fixed transforms, both ways, for tf2."""
+transforms_yaml = transformsYaml
+
+def jointTableCsv(model: Model, nominal: Arm) -> str:
+    """Text of a table with a row per joint."""
+joint_table_csv = jointTableCsv
+
+def paperNamed(name: str) -> Paper:
+    """a4" .. "a0", "letter", "legal", "tabloid", or WIDTHxHEIGHT in millimetres."""
+paper_named = paperNamed
+
+def drawTargetSheet(target: Target, paper: Paper) -> TargetSheet:
+    """Draws a target in its size with two rulers; the same target and paper give the same bytes."""
+draw_target_sheet = drawTargetSheet

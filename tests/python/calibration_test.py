@@ -187,9 +187,35 @@ class FromMemory(unittest.TestCase):
         self.assertEqual(poecal.robotYaml(calibration.model.cell.arm), poecal.robotYaml(files.model.cell.arm))
         self.assertEqual(calibration.diagnosis.findings[0].parameters, files.diagnosis.findings[0].parameters)
 
+    def test_the_steps_by_themselves_are_the_whole(self):
+        loaded = poecal.loadCapture(cells.corners_capture(), cells.new_folder() / "out")
+        nominal, measurements = loaded.nominal, loaded.measurements
+        registration = poecal.registerCell(nominal, measurements.observations)
+        identification = poecal.identify(nominal, measurements, registration=registration)
+        diagnosis = poecal.diagnose(identification, measurements, poecal.DiagnoseOptions(jobs=2))
+        whole = poecal.calibrate(nominal, measurements)
+        self.assertEqual(registration.rms_px, whole.registration.rms_px)
+        texts = [poecal.identificationJson(one, measurements.samples) for one in (identification, whole.identification)]
+        self.assertEqual(*texts)
+        texts = [poecal.diagnosisText(one, measurements.samples) for one in (diagnosis, whole.diagnosis)]
+        self.assertEqual(*texts)
+        self.assertEqual(poecal.modelYaml(diagnosis.model), poecal.modelYaml(whole.diagnosis.model))
+
+    def test_observations_are_what_was_seen(self):
+        loaded = poecal.loadCapture(cells.corners_capture(), cells.new_folder() / "out")
+        measurements, camera = loaded.measurements, loaded.nominal.camera
+        one = measurements.observations[7]
+        np.testing.assert_array_equal(one.q, measurements.samples[one.sample].q)
+        by_id = {point.id: point.p_target for point in measurements.target.points}
+        for corner in one.corners:
+            np.testing.assert_array_equal(corner.p_target, by_id[corner.id])
+            self.assertTrue((corner.px > 0.0).all() and (corner.px < [camera.width, camera.height]).all())
+        again = poecal.Measurements(target=measurements.target, samples=measurements.samples, observations=measurements.observations)
+        self.assertEqual(again.poseGroups(), measurements.poseGroups())
+
     def test_an_instrument_s_poses_show_the_arm(self):
         nominal = poecal.readArm(cells.COBOT / "cobot6.urdf", "base_link", "flange")
-        true = poecal.readRobotYaml(cells.corners_capture().parent / "capture-truth/actual.yaml")
+        true = poecal.readRobotYaml(cells.truth_of(cells.corners_capture()) / "actual.yaml")
         numbers = np.random.default_rng(5)
         q = numbers.uniform(-1.5, 1.5, (40, 6))
         measurements = poecal.Measurements()

@@ -1,9 +1,13 @@
 """Captures whose truth is known, and the program to compare the module with."""
 import functools
 import os
+import struct
 import subprocess
 import tempfile
+import zlib
 from pathlib import Path
+
+import numpy as np
 
 PROGRAM = os.environ["POECAL_PROGRAM"]
 SOURCE = Path(os.environ["POECAL_SOURCE_DIR"])
@@ -34,8 +38,8 @@ def new_folder():
     return Path(tempfile.mkdtemp(dir=scratch().name))
 
 
-def simulated(looks, count):
-    """A capture of the demo's arm. looks: what the scene says in place of `image:`."""
+def scene_file(looks, count):
+    """A scene of the demo's arm. looks: what it says in place of `image:`."""
     folder = new_folder()
     for file in COBOT.iterdir():
         (folder / file.name).write_bytes(file.read_bytes())
@@ -43,8 +47,40 @@ def simulated(looks, count):
     lines = [line for line in told if not line.startswith(("image:", "intrinsics:"))]
     scene = "\n".join(lines).replace("count: 60", f"count: {count}") + f"\n{looks}\n"
     (folder / "scene.yaml").write_text(scene)
-    done("simulate", folder / "scene.yaml", "--out", folder / "capture")
-    return folder / "capture"
+    return folder / "scene.yaml"
+
+
+def simulated(looks, count):
+    """A capture of that scene, and its truth beside it."""
+    scene = scene_file(looks, count)
+    done("simulate", scene, "--out", scene.with_name("capture"))
+    return scene.with_name("capture")
+
+
+def truth_of(capture):
+    """The folder with a simulated capture's truth."""
+    return capture.with_name(capture.name + "-truth")
+
+
+def corners_of(images):
+    """(picture, tag, corner) -> px of pictures with corners."""
+    return {(one.image, corner.id.tag, corner.id.corner): corner.px for one in images for corner in one.corners}
+
+
+def largest_distance(images, others):
+    """Between the same corners [px]; they must be of the same names."""
+    first, second = corners_of(images), corners_of(others)
+    if first.keys() != second.keys() or not first:
+        raise AssertionError(f"{len(first)} corners, {len(second)} others")
+    return max(np.linalg.norm(first[name] - second[name]) for name in first)
+
+
+def write_png(file, pixels):
+    """A grey picture of height x width bytes, as png's specification has it: each row with filter 0."""
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+    chunks = {b"IHDR": struct.pack(">IIBBBBB", pixels.shape[1], pixels.shape[0], 8, 0, 0, 0, 0), b"IDAT": zlib.compress(rows), b"IEND": b""}
+    body = [struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks.items()]
+    file.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(body))
 
 
 @functools.cache

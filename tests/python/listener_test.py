@@ -1,10 +1,13 @@
 """Long calls tell Python how far they are, let its other threads run, and stop where it says so."""
+import copy
 import shutil
 import signal
 import sys
 import threading
+import time
 import unittest
 import warnings
+import weakref
 
 import poecal
 
@@ -120,6 +123,125 @@ class Stopped(unittest.TestCase):
         try:
             with self.assertRaisesRegex(LookupError, "first"):
                 poecal.loadCapture(cells.pictures_capture(), cells.new_folder() / "out", 1, Fails())
+        finally:
+            sys.unraisablehook = hook
+        self.assertEqual([str(one.exc_value) for one in heard], ["second"])
+
+
+class InOptions(unittest.TestCase):
+    """Every long call whose options have `progress` tells a callable, and is stopped by it and by Ctrl-C."""
+
+    @classmethod
+    def setUpClass(cls):
+        capture, board = cells.pictures_capture(), cells.board_folder()
+        picture = poecal.readCapture(capture)
+        names, folder = poecal.listPictures(capture / "images"), capture / "images"
+        scene = poecal.readScene(cells.scene_file("image: {blur: 0.7, noise: 2.0, background: plain}", 4))
+        loaded = poecal.loadCapture(cells.corners_capture(), cells.new_folder() / "out")
+        nominal, measurements = loaded.nominal, loaded.measurements
+        found = poecal.identify(nominal, measurements)
+
+        def simulated(**told):
+            return poecal.simulate(scene, cells.new_folder() / "capture", poecal.SimulateOptions(jobs=1, **told))
+
+        cls.calls = {
+            "calibrate": lambda **told: poecal.calibrate(nominal, measurements, poecal.CalibrateOptions(**told)),
+            "registerCell": lambda **told: poecal.registerCell(nominal, measurements.observations, poecal.RegistrationOptions(**told)),
+            "identify": lambda **told: poecal.identify(nominal, measurements, poecal.IdentifyOptions(**told)),
+            "diagnose": lambda **told: poecal.diagnose(found, measurements, poecal.DiagnoseOptions(**told)),
+            "detectCapture": lambda **told: poecal.detectCapture(picture, poecal.DetectOptions(jobs=1, **told)),
+            "detect": lambda **told: poecal.detect(folder, names, picture.target, poecal.DetectOptions(jobs=1, **told)),
+            "readBoardPictures": lambda **told: poecal.readBoardPictures(board, poecal.DetectOptions(jobs=1, **told)),
+            "simulate": simulated,
+        }  # fmt: skip
+
+    def for_each(self, check):
+        for name, call in self.calls.items():
+            with self.subTest(name):
+                check(call)
+
+    def test_a_callable_is_told_until_all_is_done(self):
+        def check(call):
+            told = []
+            call(progress=lambda *heard: told.append(heard))
+            jobs = {label: [heard[1:] for heard in told if heard[0] == label] for label, _, _ in told}
+            self.assertGreater(len(jobs), 0)
+            for heard in jobs.values():
+                self.assertEqual(heard[-1][0], heard[-1][1], jobs)
+
+        self.for_each(check)
+
+    def test_its_exception_comes_out(self):
+        def refuse(label, done, total):
+            if total > 0:
+                raise LookupError("enough")
+
+        def check(call):
+            with self.assertRaisesRegex(LookupError, "enough"):
+                call(progress=refuse)
+
+        self.for_each(check)
+
+    def test_a_signal_stops_it_where_nobody_is_told(self):
+        def interrupt(*_):
+            raise KeyboardInterrupt
+
+        def check(call):
+            begin = time.process_time()
+            call()
+            whole, begin = time.process_time() - begin, time.process_time()
+            with self.assertRaises(KeyboardInterrupt):
+                signal.setitimer(signal.ITIMER_REAL, 1e-3)
+                call()
+            # Python sees the signal at the end of the call in any case.
+            self.assertLess(time.process_time() - begin, 0.7 * whole)
+
+        before = signal.signal(signal.SIGALRM, interrupt)
+        try:
+            self.for_each(check)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, before)
+
+    def test_the_jobs_may_be_shared_out(self):
+        told, pieces = [], poecal.SimulateOptions(jobs=2, progress=lambda *heard: told.append(heard))
+        scene = poecal.readScene(cells.scene_file("image: {blur: 0.7, noise: 2.0, background: plain}", 4))
+        poecal.simulate(scene, cells.new_folder() / "capture", pieces)
+        self.assertEqual([done for _, done, _ in told], [1, 2, 3, 4])
+
+    def test_what_was_set_is_read_and_copied(self):
+        def told(label, done, total):
+            pass
+
+        for kind in (poecal.CalibrateOptions, poecal.DetectOptions, poecal.SimulateOptions):
+            options = kind(progress=told)
+            self.assertIs(options.progress, told)
+            self.assertIs(copy.deepcopy(options).progress, told)
+            options.progress = None
+            self.assertIsNone(options.progress)
+            with self.assertRaises(TypeError):
+                options.progress = "no function"
+
+    def test_a_callable_is_let_go(self):
+        class Told:
+            def __call__(self, label, done, total):
+                pass
+
+        told = Told()
+        gone = weakref.ref(told)
+        poecal.detectCapture(poecal.readCapture(cells.pictures_capture()), poecal.DetectOptions(jobs=2, progress=told))
+        del told
+        self.assertIsNone(gone())
+
+    def test_one_that_fails_at_the_end_of_a_failure_does_not_hide_it(self):
+        def fails(label, done, total):
+            raise LookupError("first" if total > 0 else "second")
+
+        heard = []
+        hook, sys.unraisablehook = sys.unraisablehook, heard.append
+        try:
+            with self.assertRaisesRegex(LookupError, "first"):
+                poecal.detectCapture(poecal.readCapture(cells.pictures_capture()), poecal.DetectOptions(jobs=1, progress=fails))
         finally:
             sys.unraisablehook = hook
         self.assertEqual([str(one.exc_value) for one in heard], ["second"])

@@ -122,6 +122,11 @@ def annotations_in(body):
 
 def found_objects():
     """Objects of as many classes as there are, from real calls."""
+    made = [kind() for kind in classes().values() if hasattr(kind, "__copy__")]
+    return made + calibrated_objects() + planned_objects() + picture_objects()
+
+
+def calibrated_objects():
     capture, out = cells.corners_capture(), cells.new_folder() / "out"
     run = poecal.runCapture(capture, out)
     model, loaded = poecal.readModel(out / "model.yaml"), poecal.loadCapture(capture, out)
@@ -131,7 +136,35 @@ def found_objects():
         poecal.axisOffset(*model.cell.arm.joints[:2]), *poecal.effectKinds(), model.effects[0].effect, poecal.checkCapture(capture),
         *poecal.predictCorners(model.cell, model.target, poecal.forwardKinematics(model.cell.arm, run.measurements.samples[0].q)),
         poecal.calibrateBoardFolder(cells.board_folder(), poecal.IntrinsicsOptions(), 1, out / "camera.yaml"), poecal.CaptureSource("x"),
-    ] + [kind() for kind in classes().values() if hasattr(kind, "__copy__")]  # fmt: skip
+        *poecal.registerCell(loaded.nominal, loaded.measurements.observations).samples[:1], loaded.measurements.observations[0],
+        poecal.dhTables(run.calibration.identification.nominal, model.cell.arm), poecal.frameNames(model),
+    ]  # fmt: skip
+
+
+def planned_objects():
+    """Also of rivals, and of an effect that is looked for."""
+    cell = poecal.readPlanningCell(poecal.PlanSource(capture=cells.corners_capture(), model=cells.results() / "model.yaml"))
+    rivals = [poecal.Rival(effect="joint_coupling", location="joint:6", driver="q5", probability=0.6),
+              poecal.Rival(effect="joint_gain", location="joint:6", driver="q6", probability=0.4)]  # fmt: skip
+    cell.open = [poecal.Rivals(explanations=rivals)]
+    few = {"count": 2, "candidates": 50}
+    separate = poecal.PlanOptions(aim=poecal.PlanAim.kSeparate, **few)
+    detect = poecal.PlanOptions(aim=poecal.PlanAim.kDetect, detect="joint_gain@joint:3", detect_size=1e-3, floor=-1.0, **few)
+    return [cell, detect, *(poecal.planPoses(cell, options) for options in (separate, detect))]
+
+
+def picture_objects():
+    """Of pictures with a remark, too."""
+    scene = poecal.readScene(cells.scene_file("image: {blur: 0.7, noise: 2.0, background: plain}", 1))
+    capture = cells.new_folder() / "capture"
+    summary = poecal.simulate(scene, capture)
+    found = poecal.detectCapture(poecal.readCapture(capture))
+    other = poecal.apriltagTarget("tag36h11", [poecal.TargetTag(id=7, size=0.08)])
+    unseen = poecal.detect(capture / "images", poecal.listPictures(capture / "images"), other, poecal.DetectOptions(other_tags=[12]))
+    return [
+        scene, summary, found, unseen, poecal.readBoardPictures(cells.board_folder()), poecal.paperNamed("a4"),
+        poecal.drawTargetSheet(other, poecal.paperNamed("a4")),
+    ]  # fmt: skip
 
 
 def parts_of(value):
@@ -188,6 +221,12 @@ class Names(unittest.TestCase):
                 continue
             unknown += [f"{name}.{member}" for member in own_names(members(kind)) if not re.search(rf"\b{member}\b", body)]
         self.assertEqual(unknown, [])
+
+    def test_of_options_with_progress_are_all_here(self):
+        told = [name for name in re.findall(r"^struct (\w+)", CODE, re.MULTILINE) if "ProgressFunction progress" in (body_of(name) or "")]
+        self.assertIn("SimulateOptions", told)
+        for name in told:
+            self.assertIn("progress", members(getattr(poecal, name)), name)
 
     def test_are_looked_for_in_the_type_itself(self):
         self.assertIn("kEyeToHand", body_of("Setup"))
