@@ -107,6 +107,12 @@ TEST_F(Samples, BadHeadersAreNamed) {
   EXPECT_THAT(errorOf("image,q1,q2,q3,dq2\na.png,0,0,0,0\n"), HasSubstr("column 'dq1' is missing"));
   EXPECT_THAT(errorOf("image,x,y,z\na.png,0,0,0\n"), HasSubstr("column 'qx' is missing"));
   EXPECT_THAT(errorOf("image,stamp\na.png,0\n"), HasSubstr("samples.csv:1: neither joint readings nor flange poses"));
+  EXPECT_THAT(errorOf("image,slide,joint_2,joint_1\na.png,0,0,0\n"), HasSubstr("; rename 'joint_1' to q1 and so on"));
+  EXPECT_THAT(errorOf("image,J1 [rad],J2 [rad],J3 [m]\na.png,0,0,0\n"), HasSubstr("; rename 'J1 [rad]' to q1 and so on"));
+  arm_.joints[1].name = "elbow_joint";
+  EXPECT_THAT(errorOf("image,pan,elbow,out\na.png,0,0,0\n"), HasSubstr("; rename 'elbow' to q2 and so on"));
+  EXPECT_THAT(errorOf("image,x,y,z,rx,ry,rz\na.png,0,0,0,0,0,0\n"),
+              HasSubstr("samples.csv:1: columns rx, ry, rz are not read, expected the orientation as a quaternion in qx, qy, qz, qw"));
 }
 
 TEST_F(Samples, ReadingsBeyondTheLimitsAreRefusedWithTheLikelyUnit) {
