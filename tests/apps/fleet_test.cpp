@@ -93,6 +93,11 @@ TEST_F(Fleet, GivesJson) {
 }
 
 TEST_F(Fleet, WhatCannotBeReadIsNamed) {
+  fs::create_directories(path("nothing"));
+  const test::ProgramRun nothing = run("fleet nothing --out fleet.csv");
+  EXPECT_EQ(nothing.status, 3);
+  EXPECT_THAT(nothing.err, HasSubstr("nothing: holds no results, expected a folder that run, or one of its steps, wrote"));
+  EXPECT_FALSE(fs::exists(path("fleet.csv")));
   fs::create_directories(path("good"));
   const auto error = [this](const std::string& folder) {
     const test::ProgramRun result = run("fleet good " + folder + " --out fleet.csv");

@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "poecal/calibration/fleet.hpp"
 #include "poecal/calibration/outputs.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/report/fleet_page.hpp"
 #include "poecal/report/report.hpp"
@@ -67,6 +68,10 @@ nlohmann::json rowJson(const ResultSummary& summary) {
   return row;
 }
 
+constexpr const char* kNoResults = "holds no results, expected a folder that run, or one of its steps, wrote";
+
+bool hasResults(const ResultSummary& summary) { return summary.pictures || summary.poses || summary.verdict; }
+
 }  // namespace
 
 std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
@@ -95,11 +100,16 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
     }
     requireOutputs(outputs, inputs);
     std::vector<ResultSummary> results;
+    std::vector<std::string> empty;
     nlohmann::json captures = nlohmann::json::array();
     for (const std::filesystem::path& folder : options->folders) {
       results.push_back(readResults(folder));
       captures.push_back(rowJson(results.back()));
+      if (!hasResults(results.back())) empty.push_back(fmt::format("{}: {}", folder.string(), kNoResults));
     }
+    // Among others one that failed is worth a row.
+    if (empty.size() == results.size()) throw FileError(options->folders.front(), 0, kNoResults);
+    TerminalListener(common).warnings(empty);
     writeTextFile(options->out, fleetCsv(results));
     std::string text = fleetText(results) + fmt::format("{} captures in {}", results.size(), options->out.string());
     nlohmann::json json{{"captures", captures}, {"file", options->out.string()}};
