@@ -29,6 +29,7 @@ void requireIdentified(const std::filesystem::path& folder, const Calibration& c
   const Model model = readModel(file);
   const Cell& here = calibration.identification->model.cell;
   requireModelOf({measurements.setup, &*here.arm, here.camera ? &*here.camera : nullptr, &measurements.target}, model, file);
+  if (here.camera && !model.cell.camera) throw FileError(file, 1, "has no camera, expected a model from pictures as those of the capture");
   if (!model.effects.empty()) return;  // a diagnosed model of this cell: what it leaves is not what an identified one leaves
   constexpr double kOfAnother = 3.0;   // methods and options differ by far less
   const double found = medianResidual(here, measurements), given = medianResidual(model.cell, measurements);

@@ -33,14 +33,13 @@ std::string bareName(const std::string& name) {
 std::vector<std::array<std::string, 3>> orientationNames() {
   std::vector<std::array<std::string, 3>> names{
       {"roll", "pitch", "yaw"}, {"alpha", "beta", "gamma"}, {"phi", "theta", "psi"}, {"a", "b", "c"}, {"w", "p", "r"},
-      {"u", "v", "w"},          {"r11", "r22", "r33"}};
-  for (const std::string prefix : {"r", "rot", "rotation", "euler", "e", "o", "ori", "orientation", "rv", "rvec", "rotvec", "angle", "ang",
-                                   "q", "quat", "quaternion"}) {
+      {"u", "v", "w"},          {"r11", "r22", "r33"},      {"qi", "qj", "qk"}};
+  // Neither e, as errors may be called, nor a1.., as joints are.
+  for (const std::string prefix :
+       {"r", "rot", "rotation", "euler", "o", "ori", "orientation", "rv", "rvec", "rotvec", "angle", "ang", "q", "quat", "quaternion"}) {
     names.push_back({prefix + "x", prefix + "y", prefix + "z"});
   }
-  for (const std::string prefix : {"rot", "rotvec", "rvec", "euler", "e", "a"}) {
-    names.push_back({prefix + "1", prefix + "2", prefix + "3"});
-  }
+  for (const std::string prefix : {"rot", "rotvec", "rvec", "euler"}) names.push_back({prefix + "1", prefix + "2", prefix + "3"});
   return names;
 }
 

@@ -117,6 +117,10 @@ void checkRows(const std::filesystem::path& file, const std::vector<Sample>& sam
   if (samples.empty()) return;
   if (arm != nullptr && samples.front().q.size() > 0) requireFewTurns(file, samples, *arm);
   requireOnePose(file, samples);
+  requirePossibleRows(file, samples, arm);
+}
+
+void requirePossibleRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {
   requirePossibleSpeeds(file, samples, arm);
   requirePossiblePayloads(file, samples, arm);
 }

@@ -14,8 +14,12 @@ namespace poecal {
 double distanceOfRows(const Sample& a, const Sample& b);
 
 /// @param arm  nullptr where it is not known.
-/// @throws FileError with the line: rows of one pose that are far from each other; a joint without limits whose readings span many turns;
-/// joint velocities and payloads that the arm cannot have.
+/// @throws FileError with the line: joint velocities or a payload that the arm cannot have.
+void requirePossibleRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm);
+
+/// Of rows that were measured.
+/// @throws FileError as requirePossibleRows(); rows of one pose that are far from each other; a joint without limits whose readings span
+/// many turns.
 void checkRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm);
 
 /// Stamps that no clock in seconds gives: not ascending, all equal, in another unit. One sentence each, with file and line.

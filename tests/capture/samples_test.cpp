@@ -164,6 +164,20 @@ TEST_F(Samples, EqualReadingsWithoutAPoseColumnAreOneGroup) {
   EXPECT_THAT(poseGroups(poses.samples), ElementsAre(ElementsAre(0, 1), ElementsAre(2)));
 }
 
+TEST_F(Samples, TablesOfJointsAndOfWantedPosesAreHeldToTheArmToo) {
+  const auto errorOfJoints = [this](const std::string& content) {
+    return test::messageOf<FileError>([&] { readJoints(folder_.write("joints.csv", content), arm_); });
+  };
+  EXPECT_THAT(errorOfJoints("axis_1,axis_2,axis_3\n0,0,0\n"),
+              HasSubstr("joints.csv:1: no joint readings, expected columns q1 to q3; rename"));
+  EXPECT_THAT(errorOfJoints("q1,q2,q3,payload\n0,0,0,2500\n"), HasSubstr("joints.csv:2: payload is 2500"));
+  const auto errorOfWanted = [this](const std::string& content) {
+    return test::messageOf<FileError>([&] { readWantedPoses(folder_.write("wanted.csv", content), arm_); });
+  };
+  EXPECT_THAT(errorOfWanted("x,y,z,roll,pitch,yaw\n0,0,0,0,0,0\n"), HasSubstr("wanted.csv:1: columns roll, pitch, yaw are not read"));
+  EXPECT_THAT(errorOfWanted("x,y,z,qx,qy,qz,qw,payload\n0,0,0,0,0,0,1,2500\n"), HasSubstr("wanted.csv:2: payload is 2500"));
+}
+
 TEST_F(Samples, ASlowMotionIsNotOnePose) {
   std::string text = "image,q1,q2,q3\n";
   for (int k = 0; k < 10; ++k) text += fmt::format("{},{},0,0\n", k, 0.4e-6 * k);
