@@ -7,8 +7,10 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
 #include "capture/row_checks.hpp"
+#include "detection/picture.hpp"
 #include "poecal/core/content_key.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
@@ -80,6 +82,15 @@ std::vector<Disagreement> comparePlaces(const SampleTable& table, const std::vec
   return found;
 }
 
+/// A camera that dropped frames, or a file that is no picture: both are told where targets are searched.
+bool showsNothing(const fs::path& file) {
+  const Picture picture = readPicture(file);
+  if (picture.grey.empty()) return true;
+  double darkest = 0.0, brightest = 0.0;
+  cv::minMaxLoc(picture.grey, &darkest, &brightest);
+  return darkest == brightest;
+}
+
 /// Rows of equal pictures, by what they hold: pictures of other sizes are never read.
 std::vector<std::pair<std::size_t, std::size_t>> equalPictures(const Capture& capture) {
   std::map<std::uintmax_t, std::vector<std::size_t>> by_size;
@@ -95,7 +106,7 @@ std::vector<std::pair<std::size_t, std::size_t>> equalPictures(const Capture& ca
     for (const std::size_t row : rows) {
       const std::string sum = checksum(readTextFile(capture.folder / capture.table.samples[row].image));
       const auto [first, fresh] = first_of.emplace(sum, row);
-      if (!fresh) pairs.emplace_back(first->second, row);
+      if (!fresh && !showsNothing(capture.folder / capture.table.samples[row].image)) pairs.emplace_back(first->second, row);
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.second < b.second; });

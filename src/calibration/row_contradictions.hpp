@@ -12,7 +12,7 @@ namespace poecal {
 /// @return remarks on single rows that disagree. @throws FileError with the line where more do.
 std::vector<std::string> compareFlangePoses(const Arm& arm, const SampleTable& table);
 
-/// Looks for rows whose pictures are one file under two names.
+/// Looks for rows whose pictures are one file under two names; pictures without anything in them are passed over.
 /// @return remarks on rows whose readings are equal too. @throws FileError with both names and lines where they are not.
 std::vector<std::string> compareBytesOfPictures(const Capture& capture);
 

@@ -67,6 +67,9 @@ TEST_F(FlangePoses, OneRowIsTold) {
   EXPECT_THAT(compare(), ElementsAre(HasSubstr("rows.csv:21: x, y, z are 0.3")));
 }
 
+/// A picture of 2 x 1 pixels.
+std::string greys(const std::string& left, int right) { return "P2\n2 1\n255\n" + left + " " + std::to_string(right) + "\n"; }
+
 TEST(PicturesOfRows, OneFileUnderTwoNamesIsRefusedWhereTheArmMoved) {
   const test::TempFolder folder;
   Capture capture;
@@ -77,7 +80,7 @@ TEST(PicturesOfRows, OneFileUnderTwoNamesIsRefusedWhereTheArmMoved) {
     sample.line = row + 2;
     sample.image = "p" + std::to_string(row) + ".png";
     sample.q = Eigen::Vector2d(0.1 * row, 0.5);
-    folder.write(sample.image, row < 2 ? "ones" : "two" + std::to_string(row));
+    folder.write(sample.image, greys("8", row < 2 ? 0 : row));
     capture.table.samples.push_back(sample);
   }
   EXPECT_THAT([&] { compareBytesOfPictures(capture); },
@@ -86,7 +89,11 @@ TEST(PicturesOfRows, OneFileUnderTwoNamesIsRefusedWhereTheArmMoved) {
   capture.table.samples[1].q = capture.table.samples[0].q;
   EXPECT_THAT(compareBytesOfPictures(capture),
               ElementsAre("rows.csv:3: p1.png is the same picture as p0.png of line 2: one shot counts twice"));
-  folder.write("p1.png", "another");
+  folder.write("p1.png", greys("8", 9));
+  EXPECT_THAT(compareBytesOfPictures(capture), IsEmpty());
+  for (const Sample& sample : capture.table.samples) folder.write(sample.image, greys("0", 0));
+  EXPECT_THAT(compareBytesOfPictures(capture), IsEmpty()) << "a black picture shows no other place";
+  for (const Sample& sample : capture.table.samples) folder.write(sample.image, "no picture");
   EXPECT_THAT(compareBytesOfPictures(capture), IsEmpty());
 }
 
