@@ -105,6 +105,8 @@ TEST_F(Fleet, WhatCannotBeReadIsNamed) {
     return result.err;
   };
   EXPECT_THAT(error("none"), HasSubstr("poecal: error: none: no such folder"));
+  folder_.write("capture/capture.yaml", "a capture is no folder of results\n");
+  EXPECT_THAT(error("capture"), HasSubstr("poecal: error: capture: holds no results"));
   folder_.write("cut/diagnosis.json", "{\n  \"format\": \"poecal-diagnosis/1\",\n  \"verdict\": \"no");
   EXPECT_THAT(error("cut"), HasSubstr("cut/diagnosis.json:3: not valid YAML"));
   folder_.write("other/identification.json", "{\n  \"format\": \"poecal-diagnosis/1\"\n}\n");
