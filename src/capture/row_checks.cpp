@@ -154,8 +154,9 @@ std::vector<std::string> stampRemarks(const std::filesystem::path& file, const s
     remark(*back, fmt::format("is {}, earlier than {} of line {}, expected rows in the order in which they were taken", *back->stamp,
                               *before->stamp, before->line));
   }
-  if (const auto unit = unitOfStamps(std::abs(*first.stamp), median(std::move(gaps)))) {
-    remark(first, fmt::format("is {:.6g} and the rows far apart, expected seconds; are they {}?", *first.stamp, *unit));
+  const double gap = median(std::move(gaps));
+  if (const auto unit = unitOfStamps(std::abs(*first.stamp), gap)) {
+    remark(first, fmt::format("is {:.6g} and rows are {:.3g} apart, expected seconds; are they {}?", *first.stamp, gap, *unit));
   }
   return remarks;
 }
