@@ -4,6 +4,7 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 namespace poecal::app {
 
@@ -22,6 +23,17 @@ inline CLI::Validator positiveNumber() {
 
 inline CLI::Validator nonNegativeNumber() {
   return numberWhere([](double number) { return number >= 0.0; }, "0 or a number above it", "NONNEGATIVE");
+}
+
+/// A number from `low` to `high`, both among them.
+inline CLI::Validator numberFrom(double low, double high, const std::string& unit) {
+  const std::string range = fmt::format("{:g} to {:g}{}", low, high, unit.empty() ? "" : " " + unit);
+  return {[low, high, range](std::string& word) {
+            double number = 0.0;
+            const bool is_number = CLI::detail::lexical_cast(word, number);
+            return is_number && number >= low && number <= high ? std::string() : "'" + word + "': expected " + range;
+          },
+          "NUMBER"};
 }
 
 }  // namespace poecal::app

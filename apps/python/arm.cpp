@@ -29,6 +29,7 @@ void bindJoints(py::module_& module) {
       .member("xi", &Joint::xi)
       .member("anchor", &Joint::anchor)
       .member("limits", &Joint::limits)
+      .member("largest_speed", &Joint::largest_speed)
       .def("axis", &Joint::axis, "Unit direction of the axis in base.")
       .def_static("revolute", &Joint::revolute, py::arg("name"), py::arg("axis"), py::arg("point"))
       .def_static("prismatic", &Joint::prismatic, py::arg("name"), py::arg("axis"), py::arg("point") = Eigen::Vector3d(0.0, 0.0, 0.0));

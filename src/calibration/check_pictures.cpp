@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibration/check_parts.hpp"
+#include "calibration/row_contradictions.hpp"
 #include "detection/picture_header.hpp"
 #include "poecal/capture/detections.hpp"
 #include "poecal/capture/image_names.hpp"
@@ -125,6 +126,9 @@ void sayDetections(const Capture& capture, CheckList& list) {
 void checkPictures(const Capture& capture, CheckList& list) {
   if (capture.detections_file.empty()) {
     sayPictures(capture, list);
+    list.attempt("pictures", [&] {
+      for (const std::string& remark : compareBytesOfPictures(capture)) list.add(CheckLevel::kAdvice, "pictures", remark);
+    });
   } else {
     sayDetections(capture, list);
   }

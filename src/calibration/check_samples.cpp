@@ -8,6 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "calibration/check_parts.hpp"
+#include "calibration/row_contradictions.hpp"
+#include "capture/row_checks.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/geometry/se3.hpp"
 #include "poecal/registration/hand_eye.hpp"
@@ -151,6 +153,11 @@ void checkSamples(const Arm* arm, const SampleTable& table, bool known, CheckLis
   sayPoses(arm, table, list);
   if (table.has_joints) sayJoints(arm, table, list);
   if (!known) sayOrientations(arm, table, list);
+  const auto advise = [&list](const std::vector<std::string>& remarks) {
+    for (const std::string& remark : remarks) list.add(CheckLevel::kAdvice, "samples", remark);
+  };
+  advise(stampRemarks(table.file, table.samples));
+  if (arm != nullptr) list.attempt("samples", [&] { advise(compareFlangePoses(*arm, table)); });
   sayColumns(table, list);
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "calibration/kept_result.hpp"
+#include "calibration/row_contradictions.hpp"
+#include "capture/row_checks.hpp"
 #include "poecal/calibration/board_folder.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/capture/image_names.hpp"
@@ -42,6 +44,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
     listener.warnings(checkImagesMeet(capture.table, detections, capture.detections_file));
     return detections;
   }
+  listener.warnings(compareBytesOfPictures(capture));
   DetectOptions options;
   options.jobs = jobs;
   options.progress = listener.progressFunction();
@@ -102,6 +105,7 @@ LoadedCapture loadCapture(const CaptureSource& source, const std::filesystem::pa
   loaded.capture = openCapture(source);
   if (loaded.capture.camera) listener.warnings(loaded.capture.camera->remarks);
   const Capture& capture = loaded.capture;
+  listener.warnings(stampRemarks(capture.table.file, capture.table.samples));
   if (capture.reference && capture.setup == Setup::kEyeInHand) {
     listener.warning("reference: is not used: before a camera on the flange every tag that stands still moves, as the target does");
   }

@@ -4,6 +4,8 @@
 
 #include "calibration/identified_folder.hpp"
 #include "calibration/kept_result.hpp"
+#include "calibration/row_contradictions.hpp"
+#include "capture/row_checks.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/cell/known_registration.hpp"
 #include "poecal/core/error.hpp"
@@ -49,6 +51,8 @@ CalibrationRun runCapture(const CaptureSource& source, const std::filesystem::pa
   requireJoints(capture, files);
   CalibrationRun run;
   run.calibration = calibrateFrom(capture, loaded.nominal, loaded.measurements, options, listener);
+  // What a calibration finds wrong it can name better.
+  if (capture.arm) listener.warnings(compareFlangePoses(*capture.arm, capture.table));
   run.measurements = std::move(loaded.measurements);
   if (!source.identified.empty()) requireIdentified(source.identified, run.calibration, run.measurements);
   nameUrdf(capture.robot_file, capture.base_link, capture.tip_link, run.calibration);
@@ -71,6 +75,7 @@ CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& 
   CalibrationRun run;
   const PoseTable table = readPoses(source.poses, *nominal.arm);
   run.measurements = measurementsOf(table);
+  listener.warnings(stampRemarks(table.file, run.measurements.samples));
   run.calibration = calibrateFrom(table, nominal, run.measurements, options, listener);
   listener.warnings(run.calibration.warnings);
   writeResults(run.calibration, run.measurements, files, out);

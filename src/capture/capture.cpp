@@ -5,6 +5,7 @@
 #include "capture/manifest.hpp"
 #include "core/yaml.hpp"
 #include "poecal/core/error.hpp"
+#include "robot/gravity_yaml.hpp"
 
 namespace poecal {
 namespace {
@@ -59,7 +60,7 @@ Capture readCapture(const std::filesystem::path& folder) {
   }
   if (const auto detections = root.find("detections")) capture.detections_file = namedFile(*detections);
   if (const auto registration = root.find("registration")) capture.registration_file = fileOf(*registration, capture);
-  if (const auto gravity = root.find("gravity")) capture.gravity = gravity->vector3();
+  if (const auto gravity = root.find("gravity")) capture.gravity = readGravity(*gravity);
   capture.table =
       readSamples(fileOf(root["samples"], capture), capture.arm ? capture.arm->jointCount() : 0, capture.arm ? &*capture.arm : nullptr);
   if (capture.table.has_joints && !capture.arm) {

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include "capture/column_names.hpp"
+#include "capture/row_checks.hpp"
 #include "capture/sample_columns.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/core/csv.hpp"
@@ -30,12 +32,16 @@ PoseTable readPoses(const std::filesystem::path& file, const Arm& arm) {
                                "rms_px", "free_rms_px", "left_out", "image", "cov11", "cov12", "cov13", "cov14",          "cov15",
                                "cov16",  "cov22",       "cov23",    "cov24", "cov25", "cov26", "cov33", "cov34",          "cov35",
                                "cov36",  "cov44",       "cov45",    "cov46", "cov55", "cov56", "cov66"});
-  if (!columns.hasJoints()) throw FileError(file, 1, fmt::format("no joint readings, expected columns q1 to q{}", arm.jointCount()));
+  if (!columns.hasJoints()) {
+    throw FileError(file, 1,
+                    fmt::format("no joint readings, expected columns q1 to q{}{}", arm.jointCount(), hintOfJointColumns(csv, &arm)));
+  }
   PoseTable table;
   table.file = file;
   table.other_columns = columns.otherColumns();
   table.position_only = true;
   for (const char* name : {"qx", "qy", "qz", "qw"}) table.position_only = table.position_only && !csv.findColumn(name);
+  requireKnownOrientation(csv);
   std::array<std::size_t, 7> pose_columns{csv.column("x"), csv.column("y"), csv.column("z")};
   if (!table.position_only) {
     for (std::size_t k = 0; k < 4; ++k) pose_columns[3 + k] = csv.column(std::array{"qx", "qy", "qz", "qw"}[k]);
@@ -58,6 +64,7 @@ PoseTable readPoses(const std::filesystem::path& file, const Arm& arm) {
   }
   checkReadings(file, samples, arm);
   requireSeveralPoses(file, samples);
+  checkRows(file, samples, &arm);
   return table;
 }
 

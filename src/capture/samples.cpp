@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "capture/column_names.hpp"
 #include "capture/output_columns.hpp"
+#include "capture/row_checks.hpp"
 #include "capture/sample_columns.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/capture/image_names.hpp"
@@ -24,6 +26,7 @@ std::optional<std::array<std::size_t, 7>> findPoseColumns(const CsvTable& table)
                    [&](const char* name) { return table.findColumn(name).has_value(); })) {
     return std::nullopt;
   }
+  requireKnownOrientation(table);
   std::array<std::size_t, 7> columns{};
   for (std::size_t k = 0; k < columns.size(); ++k) columns[k] = table.column(kPoseColumns[k]);
   return columns;
@@ -80,7 +83,9 @@ SampleTable readSamples(const std::filesystem::path& file, int joint_count, cons
   const SampleColumns columns(csv, joint_count, {"image", "x", "y", "z", "qx", "qy", "qz", "qw"});
   const auto pose_columns = findPoseColumns(csv);
   if (!columns.hasJoints() && !pose_columns) {
-    throw FileError(file, 1, "neither joint readings nor flange poses, expected columns q1, q2, ... or x, y, z, qx, qy, qz, qw");
+    throw FileError(file, 1,
+                    "neither joint readings nor flange poses, expected columns q1, q2, ... or x, y, z, qx, qy, qz, qw" +
+                        hintOfJointColumns(csv, limits_of));
   }
   SampleTable table;
   table.file = file;
@@ -102,6 +107,7 @@ SampleTable readSamples(const std::filesystem::path& file, int joint_count, cons
   }
   if (limits_of != nullptr && table.has_joints) checkReadings(file, table.samples, *limits_of);
   requireSeveralPoses(file, table.samples);
+  checkRows(file, table.samples, limits_of);
   return table;
 }
 
@@ -143,7 +149,10 @@ std::vector<std::vector<std::size_t>> poseGroups(const std::vector<Sample>& samp
 SampleTable readJointTable(const std::filesystem::path& file, const Arm& arm) {
   const CsvTable csv = CsvTable::read(file);
   const SampleColumns columns(csv, arm.jointCount(), {"image", "x", "y", "z", "qx", "qy", "qz", "qw"});
-  if (!columns.hasJoints()) csv.column("q1");
+  if (!columns.hasJoints()) {
+    throw FileError(file, 1,
+                    fmt::format("no joint readings, expected columns q1 to q{}{}", arm.jointCount(), hintOfJointColumns(csv, &arm)));
+  }
   const auto image = csv.findColumn("image");
   SampleTable table{.file = file, .samples = {}, .other_columns = columns.otherColumns(), .has_joints = true};
   for (std::size_t row = 0; row < csv.rowCount(); ++row) {
@@ -151,6 +160,7 @@ SampleTable readJointTable(const std::filesystem::path& file, const Arm& arm) {
     if (image) table.samples.back().image = imageName(csv.text(row, *image));
   }
   checkReadings(file, table.samples, arm);
+  requirePossibleRows(file, table.samples, &arm);
   return table;
 }
 
@@ -159,6 +169,7 @@ std::vector<Sample> readJoints(const std::filesystem::path& file, const Arm& arm
 SampleTable readWantedPoses(const std::filesystem::path& file, const Arm& arm) {
   const CsvTable csv = CsvTable::read(file);
   const SampleColumns columns(csv, arm.jointCount(), {"image", "x", "y", "z", "qx", "qy", "qz", "qw"});
+  requireKnownOrientation(csv);
   std::array<std::size_t, 7> pose{};
   for (std::size_t k = 0; k < pose.size(); ++k) pose[k] = csv.column(kPoseColumns[k]);
   SampleTable table{.file = file, .samples = {}, .other_columns = columns.otherColumns(), .has_joints = columns.hasJoints()};
@@ -168,6 +179,7 @@ SampleTable readWantedPoses(const std::filesystem::path& file, const Arm& arm) {
     table.samples.back().T_base_flange = readPoseCells(csv, row, pose);
   }
   if (table.has_joints) checkReadings(file, table.samples, arm);
+  requirePossibleRows(file, table.samples, &arm);
   return table;
 }
 

@@ -1,9 +1,11 @@
 #include "poecal/core/csv.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include <boost/algorithm/string/trim.hpp>
 #include <boost/tokenizer.hpp>
@@ -41,6 +43,25 @@ std::optional<Value> parse(const std::string& text) {
   return value;
 }
 
+/// A table in another dialect, or with no header, would be answered with odd columns.
+void requireHeader(const std::filesystem::path& file, int line, const std::string& text, const std::vector<std::string>& cells) {
+  if (text.find('\r') != std::string::npos) throw FileError(file, line, "lines end in CR alone, expected LF or CR LF");
+  for (const auto& [sign, name] : {std::pair(';', "';'"), std::pair('\t', "tabs"), std::pair('|', "'|'"), std::pair(' ', "blanks")}) {
+    const bool separates = std::count(text.begin(), text.end(), sign) > std::count(text.begin(), text.end(), ',');
+    if (separates && (sign != ' ' || cells.size() == 1)) {
+      throw FileError(file, line, fmt::format("is separated by {}, expected a header line with column names separated by ','", name));
+    }
+  }
+  const auto numbers = std::count_if(cells.begin(), cells.end(), [](const std::string& cell) { return parse<double>(cell).has_value(); });
+  if (2 * numbers >= static_cast<std::ptrdiff_t>(cells.size())) {
+    throw FileError(file, line, "begins with numbers, expected a header line with column names separated by ','");
+  }
+  std::set<std::string> names;
+  for (const std::string& name : cells) {
+    if (!names.insert(name).second) throw FileError(file, line, fmt::format("column '{}' is there twice", name));
+  }
+}
+
 }  // namespace
 
 CsvTable CsvTable::read(const std::filesystem::path& file) {
@@ -54,10 +75,7 @@ CsvTable CsvTable::read(const std::filesystem::path& file) {
     if (text.empty() || text.front() == '#') continue;
     std::vector<std::string> cells = splitRow(file, line, text);
     if (table.header_.empty()) {
-      std::set<std::string> names;
-      for (const std::string& name : cells) {
-        if (!names.insert(name).second) throw FileError(file, line, fmt::format("column '{}' is there twice", name));
-      }
+      requireHeader(file, line, text, cells);
       table.header_ = std::move(cells);
       continue;
     }

@@ -6,6 +6,7 @@
 #include "geometry/pose_yaml.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/identification/model.hpp"
+#include "robot/gravity_yaml.hpp"
 #include "robot/robot_yaml.hpp"
 #include "target/target_yaml.hpp"
 
@@ -97,7 +98,7 @@ Model readModel(const std::filesystem::path& file) {
   if (const auto camera = root.find("camera")) model.cell.camera = parseCamera(*camera);
   if (const auto target = root.find("target")) model.target = parseTarget(*target);
   readRegistration(root, model);
-  if (const auto gravity = root.find("gravity")) model.gravity = gravity->vector3();
+  if (const auto gravity = root.find("gravity")) model.gravity = readGravity(*gravity);
   constexpr bool kAsFound = true;
   if (const auto effects = root.find("effects")) model.effects = readEffects(*effects, model.cell, kAsFound);
   return model;

@@ -7,6 +7,7 @@
 
 #include "core/yaml.hpp"
 #include "geometry/pose_yaml.hpp"
+#include "poecal/calibration/model_of_capture.hpp"
 #include "poecal/calibration/results.hpp"
 #include "poecal/cell/known_registration.hpp"
 #include "poecal/core/error.hpp"
@@ -63,14 +64,6 @@ Registration placesOf(const FirstCapture& first, const Target& target) {
   const Eigen::Matrix3d R = axesAlong(z, "--target-faces");
   registration.T_far_target = poseAt(R, first.target_at - R * centreOf(target));
   return registration;
-}
-
-/// The model must be of the capture's arm.
-void requireSameArm(const Arm& nominal, const Model& model, const std::filesystem::path& file) {
-  const std::string difference = differenceOfArms(nominal, *model.cell.arm);
-  if (difference.empty()) return;
-  throw FileError(
-      file, 0, fmt::format("is a model of {}, expected one of the capture's arm {}: {}", model.cell.arm->name, nominal.name, difference));
 }
 
 bool isFile(const std::filesystem::path& file) {
@@ -139,7 +132,7 @@ PlanningCell readPlanningCell(const PlanSource& source) {
   if (!capture.arm || !capture.table.has_joints) {
     throw FileError(capture.table.file, 0, "has no joint readings (columns q1, q2, ...), expected them: a plan is one of joints");
   }
-  requireSameArm(*capture.arm, cell.model, source.model);
+  requireModelOf(partsOf(capture), cell.model, source.model);
   cell.nominal.arm = capture.arm;
   cell.nominal.camera = capture.camera;
   cell.nominal.registration.setup = capture.setup;

@@ -29,12 +29,11 @@ Eigen::Vector3d readUnitAxis(const YamlNode& node) {
   return axis;
 }
 
-JointLimits readLimits(const YamlNode& node) {
+JointLimits readLimits(const YamlNode& node, JointType type) {
   const Eigen::VectorXd values = node.vector(2);
-  if (!(values(0) < values(1))) {
-    node.fail(fmt::format("lower {}, upper {}, expected lower < upper", formatNumber(values(0)), formatNumber(values(1))));
-  }
-  return {values(0), values(1)};
+  const JointLimits limits{values(0), values(1)};
+  if (const auto problem = limitsProblem(type, limits)) node.fail("are " + *problem);
+  return limits;
 }
 
 /// A point of the arm, in base at q = 0.
@@ -56,15 +55,14 @@ Joint readJoint(const YamlNode& node) {
     const auto point = node.find("point");
     joint = Joint::prismatic(name, axis, point ? readPoint(*point) : Eigen::Vector3d::Zero());
   }
-  if (const auto limits = node.find("limits")) joint.limits = readLimits(*limits);
+  if (const auto limits = node.find("limits")) joint.limits = readLimits(*limits, type);
   return joint;
 }
 
 LinkMass readLink(const YamlNode& node) {
   node.checkKeys({"mass", "com"});
   const YamlNode mass = node["mass"];
-  if (mass.number() < 0.0) mass.fail(fmt::format("is {}, expected 0 or more", formatNumber(mass.number())));
-  if (mass.number() > kLargestMass) mass.fail(fmt::format("is {:.3g} kg, expected the mass of an arm's link", mass.number()));
+  if (const auto problem = massProblem(mass.number())) mass.fail("is " + *problem);
   return {mass.number(), readPoint(node["com"])};
 }
 

@@ -260,14 +260,14 @@ Arm armOfChain(const UrdfFile& urdf, const std::vector<urdf::JointConstSharedPtr
     const Eigen::Vector3d axis_base = T_base_child.linear() * axis;
     arm.joints.push_back(joint->type == urdf::Joint::PRISMATIC ? Joint::prismatic(joint->name, axis_base, origin)
                                                                : Joint::revolute(joint->name, axis_base, origin));
+    // Some exporters write 0 for what is not known.
+    if (joint->limits && joint->limits->velocity > 0.0) arm.joints.back().largest_speed = joint->limits->velocity;
     // Lower and upper are 0 where <limit> leaves them out, which is no range at all.
     const bool has_range = joint->limits && (joint->limits->lower != 0.0 || joint->limits->upper != 0.0);
     if (joint->type == urdf::Joint::CONTINUOUS || !has_range) continue;
-    if (!(joint->limits->lower < joint->limits->upper) || !(joint->limits->upper - joint->limits->lower < kLargestNumber)) {
-      urdf.failAtJoint(*joint, fmt::format("has limits {} to {}, expected lower < upper", formatNumber(joint->limits->lower),
-                                           formatNumber(joint->limits->upper)));
-    }
-    arm.joints.back().limits = JointLimits{joint->limits->lower, joint->limits->upper};
+    const JointLimits limits{joint->limits->lower, joint->limits->upper};
+    if (const auto problem = limitsProblem(arm.joints.back().type, limits)) urdf.failAtJoint(*joint, "has limits " + *problem);
+    arm.joints.back().limits = limits;
   }
   arm.gamma = logSe3(T_base_child);
   return arm;

@@ -30,7 +30,7 @@ void addBodies(const UrdfFile& urdf, const std::string& link_name, const Eigen::
     if (link->inertial) {
       const Eigen::Vector3d centre = (T_base_body * poseOfUrdf(link->inertial->origin)).translation();
       const double mass = link->inertial->mass;
-      if (!(std::abs(mass) <= kLargestMass)) urdf.failAtLink(name, fmt::format("has a mass of {:.3g} kg, expected that of an arm", mass));
+      if (const auto problem = massProblem(mass)) urdf.failAtLink(name, "has a mass of " + *problem);
       if (const auto problem = sizeProblem(centre)) urdf.failAtLink(name, *problem);
       balance.mass += mass;
       balance.moment += mass * centre;

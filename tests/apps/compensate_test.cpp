@@ -104,6 +104,10 @@ TEST_F(CompensateFiles, WhatIsMissingIsSaid) {
   const test::ProgramRun no_robot = run("--model model.yaml --joints q.csv");
   EXPECT_EQ(no_robot.status, 2);
   EXPECT_THAT(no_robot.err, HasSubstr("--joints needs --robot"));
+  EXPECT_EQ(run("--model model.yaml --poses q.csv --tip-link tool0").status, 2);
+  const test::ProgramRun other_tip = run("--model model.yaml --joints q.csv --robot arm.urdf --tip-link elsewhere");
+  EXPECT_EQ(other_tip.status, 2);
+  EXPECT_THAT(other_tip.err, HasSubstr("--tip-link is 'elsewhere', expected '"));
   folder_.write("poses.csv", "x,y,z\n1,0,0\n");
   const test::ProgramRun no_rotation = run("--model model.yaml --poses poses.csv");
   EXPECT_EQ(no_rotation.status, 3);

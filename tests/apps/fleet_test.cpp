@@ -93,6 +93,11 @@ TEST_F(Fleet, GivesJson) {
 }
 
 TEST_F(Fleet, WhatCannotBeReadIsNamed) {
+  fs::create_directories(path("nothing"));
+  const test::ProgramRun nothing = run("fleet nothing --out fleet.csv");
+  EXPECT_EQ(nothing.status, 3);
+  EXPECT_THAT(nothing.err, HasSubstr("nothing: holds no results, expected a folder that run, or one of its steps, wrote"));
+  EXPECT_FALSE(fs::exists(path("fleet.csv")));
   fs::create_directories(path("good"));
   const auto error = [this](const std::string& folder) {
     const test::ProgramRun result = run("fleet good " + folder + " --out fleet.csv");
@@ -100,6 +105,8 @@ TEST_F(Fleet, WhatCannotBeReadIsNamed) {
     return result.err;
   };
   EXPECT_THAT(error("none"), HasSubstr("poecal: error: none: no such folder"));
+  folder_.write("capture/capture.yaml", "a capture is no folder of results\n");
+  EXPECT_THAT(error("capture"), HasSubstr("poecal: error: capture: holds no results"));
   folder_.write("cut/diagnosis.json", "{\n  \"format\": \"poecal-diagnosis/1\",\n  \"verdict\": \"no");
   EXPECT_THAT(error("cut"), HasSubstr("cut/diagnosis.json:3: not valid YAML"));
   folder_.write("other/identification.json", "{\n  \"format\": \"poecal-diagnosis/1\"\n}\n");

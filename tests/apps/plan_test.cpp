@@ -155,11 +155,18 @@ TEST_F(PlanCommand, WhatIsMissingIsNamed) {
   expectError("plan --out next.csv", 2, "plan needs a CAPTURE and --model, or --robot");
   expectError("plan --robot scene/cobot6.urdf --out next.csv", 2, "--robot needs --camera and --target");
   expectError(std::string("plan ") + kFirst + "--out next.csv", 2, "needs --camera-at and --look-at, or --registration");
+  expectError(std::string("plan ") + kFirst + "--registration out/registration.yaml --camera-at 0 0 1 --look-at 0 0 0 --out next.csv", 2,
+              "--registration");
   expectError("plan capture --model out/model.yaml --separate --out next.csv", 4, "nothing to tell apart");
   expectError("plan capture --model out/model.yaml --detect joint_gain@joint:3 much --out next.csv", 2, "'much' is no size");
   expectError("plan capture --model out/nothing.yaml --out next.csv", 3, "out/nothing.yaml");
   expectError(std::string("plan ") + kFirst + "--camera-at 0 0 9 --look-at 0 0 10 --out next.csv", 4,
               "expected camera and target where more postures");
+  test::replaceInFile(path("capture/capture.yaml"), "setup: eye_to_hand", "setup: eye_in_hand");
+  const std::string other = "out/model.yaml:1: its setup is eye_to_hand, expected eye_in_hand as in the capture";
+  expectError("plan capture --model out/model.yaml --out next.csv", 3, other);
+  expectError("predict capture --model out/model.yaml --out next.csv", 3, other);
+  test::replaceInFile(path("capture/capture.yaml"), "setup: eye_in_hand", "setup: eye_to_hand");
   test::replaceInFile(path("capture/capture.yaml"), "detections: detections.csv\n", "");
   expectError("plan capture --model out/model.yaml --out next.csv", 3, "out/detections.csv: is not there, expected the corners");
   EXPECT_EQ(run("plan capture --model out/model.yaml --out out/model.yaml").status, 2);

@@ -65,6 +65,9 @@ TEST_F(TargetCommand, WhatIsMissingOrTooLargeIsSaid) {
   expectRefused("--type points", 2, "single points cannot be printed");
   expectRefused("--type star", 2, "expected apriltag");
   expectRefused("--type apriltag --id 7 --size -1", 2, "size");
+  expectRefused("--type apriltag --id 7 --size 0.0008", 2, "expected 0.002 to 3 m");
+  expectRefused("--type aprilgrid --cols 3 --rows 2 --size 0.02 --spacing 0.006", 2, "expected 0.05 to 5 of a tag's size");
+  expectRefused("--type chessboard --cols 5 --rows 4 --square 0.0005", 2, "expected 0.002 to 3 m");
   expectRefused("--type apriltag --id 7000 --size 0.1", 2, "7000");
   expectRefused("--type apriltag --id 7 --size 0.3", 2, "--paper a1 holds it");
   expectRefused("--type apriltag --id 7 --size 0.1 --paper a9", 2, "paper 'a9'");

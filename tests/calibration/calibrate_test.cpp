@@ -127,6 +127,14 @@ TEST_F(IdentifiedFolder, AnotherArmOrTargetIsRefused) {
   EXPECT_THAT([this] { requireIdentifiedHere(); }, ThrowsMessage<FileError>(HasSubstr("its target is not that of the capture")));
 }
 
+TEST_F(IdentifiedFolder, AModelFromPosesIsRefused) {
+  Model other = *calibration_.model;
+  other.cell.camera.reset();
+  other.target.reset();
+  folder_.write("model.yaml", modelYaml(other));
+  EXPECT_THAT([this] { requireIdentifiedHere(); }, ThrowsMessage<FileError>(HasSubstr("model.yaml:1: has no camera")));
+}
+
 TEST_F(IdentifiedFolder, TheResultsOfAnotherCaptureAreRefused) {
   const test::SmallCell elsewhere = test::smallCell(17, 20, kSigma, {});  // the same kind of arm with other errors
   folder_.write("model.yaml",

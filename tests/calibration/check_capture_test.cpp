@@ -64,7 +64,7 @@ class CheckCapture : public ::testing::Test {
     folder_.write("capture/samples.csv", text);
   }
   void takePictures(int count, unsigned width = 1280, unsigned height = 960) {
-    for (int k = 0; k < count; ++k) folder_.write(fmt::format("capture/images/{:04}.png", k), pngHeader(width, height));
+    for (int k = 0; k < count; ++k) folder_.write(fmt::format("capture/images/{:04}.png", k), pngHeader(width, height) + std::to_string(k));
   }
   fs::path file(const std::string& name) const { return folder_.path() / "capture" / name; }
   CaptureCheck check() const { return checkCapture(folder_.path() / "capture"); }

@@ -88,6 +88,11 @@ TEST_F(CaptureFolder, ErrorsNameLineAndExpectation) {
               HasSubstr("capture.yaml:5: intrinsics: 'none' is not there, expected a folder"));
   EXPECT_THAT(errorOf(head + kFiles + "reference: target.yaml\n"), HasSubstr("capture.yaml:8: reference: tag 7 is the target's too"));
   EXPECT_THAT(errorOf(head + kFiles + "gravity: [0, 0]\n"), HasSubstr("capture.yaml:8: gravity: 2 numbers, expected 3"));
+  for (const char* gravity : {"[0, 0, -981]", "[0, 0, -1]", "[0, 0, 0]", "[-9.8, 0, -9.8]"}) {
+    EXPECT_THAT(errorOf(head + kFiles + "gravity: " + gravity + "\n"),
+                AllOf(HasSubstr("capture.yaml:8: gravity: has length "), HasSubstr("expected 9.8: gravity in the base frame [m/s^2]")));
+  }
+  EXPECT_EQ(errorOf(head + kFiles + "gravity: [6.93, 0, 6.93]\n"), "no error") << "an arm on a slope, upside down";
   EXPECT_THAT(errorOf(head + "camera: camera.yaml\ntarget: target.yaml\nsamples: samples.csv\n"),
               HasSubstr("key 'robot' is missing, expected the arm whose joints samples.csv gives"));
   EXPECT_THAT(test::messageOf<FileError>([] { readCapture("/nowhere"); }), HasSubstr("/nowhere/capture.yaml: no such file"));

@@ -44,6 +44,13 @@ TEST_F(Poses, PositionsAlone) {
 
 TEST_F(Poses, ErrorsNameLineAndExpectation) {
   EXPECT_THAT(errorOf("x,y,z\n1,2,3\n"), HasSubstr("poses.csv:1: no joint readings, expected columns q1 to q3"));
+  for (const char* names :
+       {"rx,ry,rz", "roll,pitch,yaw", "Yaw,Pitch,Roll", "A,B,C", "W,P,R", "rot_x,rot_y,rot_z", "rx_deg,ry_deg,rz_deg", "QX,QY,QZ"}) {
+    EXPECT_THAT(errorOf(std::string("q1,q2,q3,x,y,z,") + names + "\n0,0,0,1,2,3,0,0,0\n0,1,0,1,2,3,0,0,0\n"),
+                HasSubstr("are not read, expected the orientation as a quaternion in qx, qy, qz, qw"))
+        << names;
+  }
+  EXPECT_EQ(read("q1,q2,q3,x,y,z,humidity,rx\n0,0,0,1,2,3,4,5\n0,1,0,1,2,3,4,6\n").other_columns.size(), 2u);
   EXPECT_THAT(errorOf("q1,q2,q3,x,z\n0,0,0,1,2\n"), HasSubstr("poses.csv:1: column 'y' is missing"));
   EXPECT_THAT(errorOf("q1,q2,q3,x,y,z,qx,qy\n0,0,0,1,2,3,0,0\n"), HasSubstr("poses.csv:1: column 'qz' is missing"));
   EXPECT_THAT(errorOf("q1,q2,q3,x,y,z,sigma_position\n0,0,0,1,2,3,0\n"),

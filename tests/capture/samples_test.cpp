@@ -107,6 +107,12 @@ TEST_F(Samples, BadHeadersAreNamed) {
   EXPECT_THAT(errorOf("image,q1,q2,q3,dq2\na.png,0,0,0,0\n"), HasSubstr("column 'dq1' is missing"));
   EXPECT_THAT(errorOf("image,x,y,z\na.png,0,0,0\n"), HasSubstr("column 'qx' is missing"));
   EXPECT_THAT(errorOf("image,stamp\na.png,0\n"), HasSubstr("samples.csv:1: neither joint readings nor flange poses"));
+  EXPECT_THAT(errorOf("image,slide,joint_2,joint_1\na.png,0,0,0\n"), HasSubstr("; rename 'joint_1' to q1 and so on"));
+  EXPECT_THAT(errorOf("image,J1 [rad],J2 [rad],J3 [m]\na.png,0,0,0\n"), HasSubstr("; rename 'J1 [rad]' to q1 and so on"));
+  arm_.joints[1].name = "elbow_joint";
+  EXPECT_THAT(errorOf("image,pan,elbow,out\na.png,0,0,0\n"), HasSubstr("; rename 'elbow' to q2 and so on"));
+  EXPECT_THAT(errorOf("image,x,y,z,rx,ry,rz\na.png,0,0,0,0,0,0\n"),
+              HasSubstr("samples.csv:1: columns rx, ry, rz are not read, expected the orientation as a quaternion in qx, qy, qz, qw"));
 }
 
 TEST_F(Samples, ReadingsBeyondTheLimitsAreRefusedWithTheLikelyUnit) {
@@ -156,6 +162,20 @@ TEST_F(Samples, EqualReadingsWithoutAPoseColumnAreOneGroup) {
   EXPECT_THAT(poseGroups(joints.samples), ElementsAre(ElementsAre(0, 2, 4), ElementsAre(1), ElementsAre(3)));
   const SampleTable poses = read("image,x,y,z,qx,qy,qz,qw\na,1,1,0,0,0,0,1\nb,1,1,0,0,0,0,-1\nc,1,1,0,0,0.6,0,0.8\n");
   EXPECT_THAT(poseGroups(poses.samples), ElementsAre(ElementsAre(0, 1), ElementsAre(2)));
+}
+
+TEST_F(Samples, TablesOfJointsAndOfWantedPosesAreHeldToTheArmToo) {
+  const auto errorOfJoints = [this](const std::string& content) {
+    return test::messageOf<FileError>([&] { readJoints(folder_.write("joints.csv", content), arm_); });
+  };
+  EXPECT_THAT(errorOfJoints("axis_1,axis_2,axis_3\n0,0,0\n"),
+              HasSubstr("joints.csv:1: no joint readings, expected columns q1 to q3; rename"));
+  EXPECT_THAT(errorOfJoints("q1,q2,q3,payload\n0,0,0,2500\n"), HasSubstr("joints.csv:2: payload is 2500"));
+  const auto errorOfWanted = [this](const std::string& content) {
+    return test::messageOf<FileError>([&] { readWantedPoses(folder_.write("wanted.csv", content), arm_); });
+  };
+  EXPECT_THAT(errorOfWanted("x,y,z,roll,pitch,yaw\n0,0,0,0,0,0\n"), HasSubstr("wanted.csv:1: columns roll, pitch, yaw are not read"));
+  EXPECT_THAT(errorOfWanted("x,y,z,qx,qy,qz,qw,payload\n0,0,0,0,0,0,1,2500\n"), HasSubstr("wanted.csv:2: payload is 2500"));
 }
 
 TEST_F(Samples, ASlowMotionIsNotOnePose) {

@@ -38,6 +38,16 @@ TEST(Csv, ErrorsNameFileLineAndExpectation) {
               Throws<FileError>(Property(&FileError::what, HasSubstr("b.csv:3: 1 cells, expected 2"))));
   EXPECT_THAT([&] { CsvTable::read(folder.write("c.csv", "x,x\n")); },
               Throws<FileError>(Property(&FileError::what, HasSubstr("column 'x' is there twice"))));
+  const auto expectRefused = [&folder](const std::string& content, const std::string& message) {
+    EXPECT_THAT([&] { CsvTable::read(folder.write("g.csv", content)); }, Throws<FileError>(Property(&FileError::what, HasSubstr(message))));
+  };
+  expectRefused("1,2\n1,3\n", "g.csv:1: begins with numbers, expected a header line with column names separated by ','");
+  expectRefused("# poses\na.png,0.1,0.1\n", "g.csv:2: begins with numbers");
+  expectRefused("x;y\n1,5;2,5\n", "g.csv:1: is separated by ';', expected a header line with column names separated by ','");
+  expectRefused("x\ty\n1\t2\n", "g.csv:1: is separated by tabs");
+  expectRefused("x y\n1 2\n", "g.csv:1: is separated by blanks");
+  expectRefused("x,y\r1,2\r3,4\r", "g.csv:1: lines end in CR alone, expected LF or CR LF");
+  EXPECT_EQ(CsvTable::read(folder.write("h.csv", "x, wind (m/s)\r\n1,2\r\n")).rowCount(), 1u);
   EXPECT_THAT([&] { CsvTable::read(folder.write("e.csv", "x\n1e308\n")).number(0, 0); },
               Throws<FileError>(Property(&FileError::what, HasSubstr("e.csv:2: x is '1e308', expected a finite number"))));
   EXPECT_THAT(

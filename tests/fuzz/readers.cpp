@@ -299,7 +299,7 @@ void writeCell(const fs::path& folder) {
   Model model;
   model.cell.arm = armOfCell();
   model.cell.camera = readCamera(folder / "camera.yaml");
-  model.target = targetOfCell();
+  model.target = readTarget(folder / "target.yaml");
   write(folder / "results/model.yaml", modelYaml(model));
   write(folder / "board/target.yaml", "type: apriltag\nfamily: tag36h11\ntags:\n  - {id: 12, size: 0.12}\n");
 }

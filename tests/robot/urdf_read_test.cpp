@@ -167,7 +167,20 @@ const BadUrdf kBadUrdfs[] = {
     {"HugeMass", "<link name=\"c\"/>",
      "\n<link name=\"c\"><inertial><mass value=\"1e300\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
      "izz=\"1\"/></inertial></link>",
-     "a", "c", "small.urdf:3: link 'c' has a mass of 1e+300 kg, expected that of an arm"},
+     "a", "c", "small.urdf:3: link 'c' has a mass of 1e+300 kg, expected the mass of an arm's link"},
+    {"MassInGrams", "<link name=\"c\"/>",
+     "\n<link name=\"c\"><inertial><mass value=\"3400\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+     "izz=\"1\"/></inertial></link>",
+     "a", "c", "small.urdf:3: link 'c' has a mass of 3400 kg, expected the mass of an arm's link: is it in grams?"},
+    {"NegativeMass", "<link name=\"c\"/>",
+     "\n<link name=\"c\"><inertial><mass value=\"-3.4\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+     "izz=\"1\"/></inertial></link>",
+     "a", "c", "small.urdf:3: link 'c' has a mass of -3.4 kg, expected 0 or more"},
+    {"LimitsInDegrees", "lower=\"-1\" upper=\"1\"", "lower=\"-90\" upper=\"90\"", "a", "c",
+     "small.urdf:3: joint 'turn' has limits -90.0 to 90.0, expected radians: are they in degrees?"},
+    {"TravelInMillimetres", "<child link=\"c\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\"",
+     "<child link=\"c\"/><axis xyz=\"0 0 1\"/><limit lower=\"0\" upper=\"250\"", "a", "c",
+     "small.urdf:4: joint 'slide' has limits 0.0 to 250.0, expected metres: are they in millimetres?"},
     {"LinkItsOwnParent", "</robot>",
      "<joint name=\"own\" type=\"fixed\"><parent link=\"e\"/><child link=\"e\"/></joint>\n<link name=\"e\"/>\n</robot>", "a", "c",
      "small.urdf:6: joint 'own' has links that form a ring, expected a tree"},
@@ -189,6 +202,16 @@ const BadUrdf kBadUrdfs[] = {
     {"XacroArgument", "name=\"small\"", "name=\"$(arg name)\"", "a", "c", "small.urdf:1: is a xacro"},
     {"Limits", "lower=\"-1\"", "lower=\"2\"", "a", "c", "small.urdf:3: joint 'turn' has limits 2.0 to 1.0, expected lower < upper"},
 };
+
+TEST(Urdf, AJointWithoutAnEndHasNoLimitsWhateverItsFileSays) {
+  const test::TempFolder folder;
+  std::string text = kSmall;
+  text.replace(text.find("revolute"), 8, "continuous");
+  text.replace(text.find("lower=\"-1\" upper=\"1\""), 20, "lower=\"-360\" upper=\"360\"");
+  const Arm arm = readUrdf(folder.write("small.urdf", text), "a", "c");
+  EXPECT_FALSE(arm.joints[0].limits);
+  EXPECT_EQ(arm.joints[0].largest_speed, 1.0);
+}
 
 class BadUrdfFile : public ::testing::TestWithParam<BadUrdf> {};
 

@@ -30,11 +30,19 @@ struct CompensateOptions {
   bool leave_out = false;
 };
 
+/// Poses of another frame than the model's are no poses of its flange.
+void requireLinkOf(const std::string& option, const std::string& link, const std::string& of_model) {
+  if (link.empty() || of_model.empty() || link == of_model) return;
+  throw InvalidArgument(fmt::format("{} is '{}', expected '{}' as in the model", option, link, of_model));
+}
+
 std::optional<Arm> nominalArm(const CompensateOptions& options, const Model& model) {
   if (options.robot.empty()) {
     if (options.joints.empty()) return std::nullopt;
     throw InvalidArgument("--joints needs --robot, the nominal arm whose poses the real one should reach");
   }
+  requireLinkOf("--base-link", options.base_link, model.base_link);
+  requireLinkOf("--tip-link", options.tip_link, model.tip_link);
   const std::string base_link = options.base_link.empty() ? model.base_link : options.base_link;
   const std::string tip_link = options.tip_link.empty() ? model.tip_link : options.tip_link;
   Arm nominal = readArm(options.robot, base_link, tip_link);
@@ -194,9 +202,10 @@ std::function<int()> setUpCompensate(CLI::App& app, const Common& common) {
   app.add_option("--joints", options->joints, "A table with columns q1, q2, ...: joints that the nominal arm would be sent to")
       ->option_text("FILE.csv")
       ->excludes(poses);
-  app.add_option("--robot", options->robot, "The nominal arm, robot.yaml or URDF; needed with --joints")->option_text("FILE");
-  app.add_option("--base-link", options->base_link, "Of a URDF (default: as the model says)")->option_text("LINK");
-  app.add_option("--tip-link", options->tip_link, "Of a URDF (default: as the model says)")->option_text("LINK");
+  CLI::Option* robot =
+      app.add_option("--robot", options->robot, "The nominal arm, robot.yaml or URDF; needed with --joints")->option_text("FILE");
+  app.add_option("--base-link", options->base_link, "Of a URDF (default: as the model says)")->option_text("LINK")->needs(robot);
+  app.add_option("--tip-link", options->tip_link, "Of a URDF (default: as the model says)")->option_text("LINK")->needs(robot);
   app.add_option("--out", options->out, "The table of joints to command")->required()->option_text("FILE.csv");
   app.add_flag("--leave-out", options->leave_out, "Leave out rows that cannot be reached, instead of writing nothing");
   app.footer(kExample);

@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "poecal/calibration/fleet.hpp"
 #include "poecal/calibration/outputs.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/report/fleet_page.hpp"
 #include "poecal/report/report.hpp"
@@ -67,6 +68,24 @@ nlohmann::json rowJson(const ResultSummary& summary) {
   return row;
 }
 
+constexpr const char* kNoResults = "holds no results, expected a folder that run, or one of its steps, wrote";
+
+/// A run that failed leaves nothing, or what it found before: a row among others. @return a warning of each such folder.
+/// @throws FileError where no folder has results, or one holds something else.
+std::vector<std::string> requireResults(const std::vector<ResultSummary>& results) {
+  std::vector<std::string> failed;
+  for (const ResultSummary& summary : results) {
+    if (summary.pictures || summary.poses || summary.verdict) continue;
+    std::error_code status;
+    const auto has = [&](const char* name) { return std::filesystem::exists(summary.folder / name, status); };
+    const bool failed_there = std::filesystem::is_empty(summary.folder, status) || (has(".stages") && !has("capture.yaml"));
+    if (!failed_there) throw FileError(summary.folder, 0, kNoResults);
+    failed.push_back(fmt::format("{}: {}", summary.folder.string(), kNoResults));
+  }
+  if (failed.size() == results.size()) throw FileError(results.front().folder, 0, kNoResults);
+  return failed;
+}
+
 }  // namespace
 
 std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
@@ -100,6 +119,7 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
       results.push_back(readResults(folder));
       captures.push_back(rowJson(results.back()));
     }
+    TerminalListener(common).warnings(requireResults(results));
     writeTextFile(options->out, fleetCsv(results));
     std::string text = fleetText(results) + fmt::format("{} captures in {}", results.size(), options->out.string());
     nlohmann::json json{{"captures", captures}, {"file", options->out.string()}};

@@ -178,16 +178,18 @@ int run(Arguments& arguments, const Common& common) {
   return 0;
 }
 
-void addPoint(CLI::App& app, const std::string& name, std::optional<Eigen::Vector3d>& point, const std::string& help) {
-  app.add_option_function<std::vector<double>>(
-         name, [&point](const std::vector<double>& p) { point = Eigen::Vector3d(p[0], p[1], p[2]); }, help)
+CLI::Option* addPoint(CLI::App& app, const std::string& name, std::optional<Eigen::Vector3d>& point, const std::string& help) {
+  return app
+      .add_option_function<std::vector<double>>(
+          name, [&point](const std::vector<double>& p) { point = Eigen::Vector3d(p[0], p[1], p[2]); }, help)
       ->expected(3)
       ->type_name("X Y Z");
 }
 
-void addPoint(CLI::App& app, const std::string& name, Eigen::Vector3d& point, const std::string& help) {
-  app.add_option_function<std::vector<double>>(
-         name, [&point](const std::vector<double>& p) { point = Eigen::Vector3d(p[0], p[1], p[2]); }, help)
+CLI::Option* addPoint(CLI::App& app, const std::string& name, Eigen::Vector3d& point, const std::string& help) {
+  return app
+      .add_option_function<std::vector<double>>(
+          name, [&point](const std::vector<double>& p) { point = Eigen::Vector3d(p[0], p[1], p[2]); }, help)
       ->expected(3)
       ->type_name("X Y Z");
 }
@@ -203,11 +205,14 @@ void addFirstOptions(CLI::App& app, FirstCapture& first, CLI::Option* folder) {
          [&first](const std::string& name) { first.setup = name == setupName(Setup::kEyeInHand) ? Setup::kEyeInHand : Setup::kEyeToHand; },
          "eye_to_hand (default) or eye_in_hand")
       ->check(CLI::IsMember({setupName(Setup::kEyeToHand), setupName(Setup::kEyeInHand)}));
-  app.add_option("--registration", first.registration, "A registration.yaml that says where camera and target roughly are");
-  addPoint(app, "--camera-at", first.camera_at, "Where the camera roughly is, in base [m]; eye in hand: in flange");
-  addPoint(app, "--look-at", first.look_at, "A point that it looks at, in the same frame [m]");
-  addPoint(app, "--target-at", first.target_at, "The target's centre in flange [m] (default 0 0 0); eye in hand: in base");
-  addPoint(app, "--target-faces", first.target_faces, "Direction that its front faces, in the same frame (default 0 0 1)");
+  CLI::Option* registration =
+      app.add_option("--registration", first.registration, "A registration.yaml that says where camera and target roughly are");
+  addPoint(app, "--camera-at", first.camera_at, "Where the camera roughly is, in base [m]; eye in hand: in flange")->excludes(registration);
+  addPoint(app, "--look-at", first.look_at, "A point that it looks at, in the same frame [m]")->excludes(registration);
+  addPoint(app, "--target-at", first.target_at, "The target's centre in flange [m] (default 0 0 0); eye in hand: in base")
+      ->excludes(registration);
+  addPoint(app, "--target-faces", first.target_faces, "Direction that its front faces, in the same frame (default 0 0 1)")
+      ->excludes(registration);
   app.add_option("--corner-sigma", first.corner_sigma, "Noise to expect of a corner's u and v before the first picture, 1 sigma [px]")
       ->capture_default_str()
       ->check(positiveNumber());

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "poecal/calibration/model_of_capture.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/capture/capture.hpp"
 #include "poecal/capture/detections.hpp"
@@ -79,7 +80,10 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
     const Model model = readModel(options->model);
     Capture capture;
     capture.gravity = model.gravity;
-    if (!options->capture.empty()) capture = readCapture(options->capture);
+    if (!options->capture.empty()) {
+      capture = readCapture(options->capture);
+      requireModelOf(partsOf(capture), model, options->model);
+    }
     std::vector<std::filesystem::path> inputs = filesOf(capture, true);
     inputs.insert(inputs.end(), {options->model, options->joints});
     requireOutputs({options->out}, inputs);

@@ -116,19 +116,24 @@ Example:
 }  // namespace
 
 std::function<int()> setUpTarget(CLI::App& app, const Common& common) {
+  constexpr double kLeastEdge = 2e-3, kLargestEdge = 3.0;  // [m] below, a printer's dots make the cells; above, no paper holds it
+  constexpr double kLeastGap = 0.05, kLargestGap = 5.0;    // below, borders run into each other
+  const CLI::Validator printable = numberFrom(kLeastEdge, kLargestEdge, "m");
   const auto options = std::make_shared<TargetOptions>();
   app.add_option("--type", options->type, "apriltag, aprilgrid, charuco or chessboard");
   app.add_option("--file", options->file, "Print this target.yaml instead")->option_text("target.yaml");
   app.add_option("--family", options->family, "Of tags")->capture_default_str();
   app.add_option("--id", options->id, "Of the tag, or of an aprilgrid's first tag")->check(nonNegativeNumber());
-  app.add_option("--size", options->size, "Edge of a tag between its corners [m]");
-  app.add_option("--spacing", options->spacing, "Gap between an aprilgrid's tags, as a part of their size")->capture_default_str();
+  app.add_option("--size", options->size, "Edge of a tag between its corners [m]")->check(printable);
+  app.add_option("--spacing", options->spacing, "Gap between an aprilgrid's tags, as a part of their size")
+      ->capture_default_str()
+      ->check(numberFrom(kLeastGap, kLargestGap, "of a tag's size"));
   app.add_option("--border-bits", options->border_bits, "Width of an aprilgrid's black borders in cells (default: 1)")
       ->check(CLI::Range(1, 2));
   app.add_option("--cols", options->cols, "Tags, squares (charuco) or inner corners (chessboard) of a row");
   app.add_option("--rows", options->rows, "Likewise of a column");
-  app.add_option("--square", options->square, "Edge of a square [m]");
-  app.add_option("--marker", options->marker, "Edge of a charuco board's markers [m]");
+  app.add_option("--square", options->square, "Edge of a square [m]")->check(printable);
+  app.add_option("--marker", options->marker, "Edge of a charuco board's markers [m]")->check(printable);
   app.add_option("--dictionary", options->dictionary, "Of a charuco board: OpenCV's name, such as DICT_6X6_250");
   app.add_option("--paper", options->paper, "a4, a3, a2, a1, a0, letter, legal, tabloid, or WIDTHxHEIGHT in mm")->capture_default_str();
   app.add_option("--out", options->out, "Folder for target.svg, target.pdf and target.yaml; or FILE.svg, with the others beside it")

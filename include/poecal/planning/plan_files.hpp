@@ -19,8 +19,8 @@ struct PlanSource {
   std::filesystem::path model;
 };
 
-/// @throws FileError as the readers of the files; where a file that is needed is not there, or the model is of another arm or has no
-/// camera.
+/// @throws FileError as the readers of the files; where a file that is needed is not there, or the model has no camera or is one of another
+/// cell: requireModelOf().
 PlanningCell readPlanningCell(const PlanSource& source);
 
 /// Before the first picture: what stands where, roughly.

@@ -29,6 +29,7 @@ struct Joint {
   /// A point of the axis (revolute) or any point (prismatic) [m]; tolerances and shifts of the axis are stated there.
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
   std::optional<JointLimits> limits;
+  std::optional<double> largest_speed;  ///< [rad/s] or [m/s], as a URDF states it: what readings may not be far beyond
 
   /// Unit direction of the axis in base: w or v.
   Eigen::Vector3d axis() const;

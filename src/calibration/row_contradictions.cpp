@@ -1,0 +1,148 @@
+#include "calibration/row_contradictions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "capture/row_checks.hpp"
+#include "detection/picture.hpp"
+#include "poecal/core/content_key.hpp"
+#include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
+#include "poecal/geometry/se3.hpp"
+#include "poecal/registration/hand_eye.hpp"
+
+namespace poecal {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A drawn arm is off by millimetres and milliradians; other units, rows or arms are by many times more.
+constexpr double kFarTurn = 0.05;   // [rad]
+constexpr double kFarPlace = 0.05;  // [m]
+constexpr double kMany = 0.1;       // of the rows: fewer are mistakes of theirs, not of the columns
+
+/// A row that disagrees, and how.
+struct Disagreement {
+  int line = 0;
+  std::string text;
+};
+
+double spreadOf(const std::vector<Eigen::Isometry3d>& poses) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Isometry3d& T : poses) mean += T.translation() / static_cast<double>(poses.size());
+  double sum = 0.0;
+  for (const Eigen::Isometry3d& T : poses) sum += (T.translation() - mean).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(poses.size()));
+}
+
+/// Frames and tools change no angle by which two poses are turned from each other.
+std::vector<Disagreement> compareTurns(const SampleTable& table, const std::vector<Eigen::Isometry3d>& expected) {
+  std::vector<Disagreement> found;
+  for (std::size_t k = 1; k < expected.size(); ++k) {
+    const Sample &before = table.samples[k - 1], &here = table.samples[k];
+    const double by_joints = rotationAngle(expected[k - 1].linear().transpose() * expected[k].linear());
+    const double by_pose = rotationAngle(before.T_base_flange->linear().transpose() * here.T_base_flange->linear());
+    if (std::abs(by_joints - by_pose) <= kFarTurn) continue;
+    found.push_back(
+        {here.line, fmt::format("from line {} to here qx.. turn by {:.3g} rad and the joint readings by {:.3g}, expected rows of "
+                                "one arm and moment",
+                                before.line, by_pose, by_joints)});
+  }
+  return found;
+}
+
+/// Where the angles agree a tool and a frame are fitted; places must follow.
+std::vector<Disagreement> comparePlaces(const SampleTable& table, const std::vector<Eigen::Isometry3d>& expected) {
+  std::vector<Eigen::Isometry3d> stated;
+  for (const Sample& sample : table.samples) stated.push_back(*sample.T_base_flange);
+  const double ratio = spreadOf(stated) / std::max(spreadOf(expected), kFarPlace);
+  constexpr double kThousandfold = 100.0;  // a tool of some length makes less of it
+  const char* hint = ratio > kThousandfold ? "metres; are they in millimetres?" : "rows of one arm and moment";
+  std::vector<Disagreement> found;
+  const std::optional<HandEye> fitted = solveHandEye(expected, stated, Setup::kEyeToHand);
+  for (std::size_t k = fitted ? 0 : 1; k < stated.size(); ++k) {
+    double off = 0.0;
+    if (fitted) {
+      off = (fitted->T_camera_near * expected[k] * fitted->T_far_target.translation() - stated[k].translation()).norm();
+    } else {
+      off = std::abs((expected[k].translation() - expected[k - 1].translation()).norm() -
+                     (stated[k].translation() - stated[k - 1].translation()).norm());
+    }
+    if (off <= kFarPlace) continue;
+    found.push_back({table.samples[k].line, fmt::format("x, y, z are {:.3g} m from where the joint readings put them, up to a frame and a "
+                                                        "tool, expected {}",
+                                                        off, hint)});
+  }
+  return found;
+}
+
+/// A camera that dropped frames, or a file that is no picture: both are told where targets are searched.
+bool showsNothing(const fs::path& file) {
+  const Picture picture = readPicture(file);
+  if (picture.grey.empty()) return true;
+  double darkest = 0.0, brightest = 0.0;
+  cv::minMaxLoc(picture.grey, &darkest, &brightest);
+  return darkest == brightest;
+}
+
+/// Rows of equal pictures, by what they hold: pictures of other sizes are never read.
+std::vector<std::pair<std::size_t, std::size_t>> equalPictures(const Capture& capture) {
+  std::map<std::uintmax_t, std::vector<std::size_t>> by_size;
+  for (std::size_t k = 0; k < capture.table.samples.size(); ++k) {
+    std::error_code status;
+    const std::uintmax_t size = fs::file_size(capture.folder / capture.table.samples[k].image, status);
+    if (!status && size > 0) by_size[size].push_back(k);
+  }
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (const auto& [size, rows] : by_size) {
+    if (rows.size() < 2) continue;
+    std::map<std::string, std::size_t> first_of;
+    for (const std::size_t row : rows) {
+      const std::string sum = checksum(readTextFile(capture.folder / capture.table.samples[row].image));
+      const auto [first, fresh] = first_of.emplace(sum, row);
+      if (!fresh && !showsNothing(capture.folder / capture.table.samples[row].image)) pairs.emplace_back(first->second, row);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<std::string> compareFlangePoses(const Arm& arm, const SampleTable& table) {
+  if (!table.has_joints || !table.has_flange_poses || table.samples.size() < 2) return {};
+  std::vector<Eigen::Isometry3d> expected;
+  for (const Sample& sample : table.samples) expected.push_back(forwardKinematics(arm, sample.q));
+  std::vector<std::string> remarks;
+  const auto judge = [&](const std::vector<Disagreement>& found) {
+    if (static_cast<double>(found.size()) > kMany * static_cast<double>(table.samples.size())) {
+      throw FileError(table.file, found.front().line, found.front().text);
+    }
+    for (const Disagreement& one : found) remarks.push_back(fmt::format("{}:{}: {}", table.file.string(), one.line, one.text));
+  };
+  judge(compareTurns(table, expected));
+  if (remarks.empty()) judge(comparePlaces(table, expected));
+  return remarks;
+}
+
+std::vector<std::string> compareBytesOfPictures(const Capture& capture) {
+  constexpr double kMoved = 1e-3;  // [rad], [m]: an arm at rest; no camera takes the same bytes twice, but a drawn picture may be
+  std::vector<std::string> remarks;
+  for (const auto& [first, second] : equalPictures(capture)) {
+    const Sample &a = capture.table.samples[first], &b = capture.table.samples[second];
+    const std::string same = fmt::format("{} is the same picture as {} of line {}", b.image, a.image, a.line);
+    if (distanceOfRows(a, b) > kMoved) {
+      throw FileError(capture.table.file, b.line, same + ", but the readings differ: expected one picture for each row");
+    }
+    remarks.push_back(fmt::format("{}:{}: {}: one shot counts twice", capture.table.file.string(), b.line, same));
+  }
+  return remarks;
+}
+
+}  // namespace poecal

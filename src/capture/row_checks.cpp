@@ -1,0 +1,164 @@
+#include "capture/row_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "poecal/core/error.hpp"
+#include "poecal/core/statistics.hpp"
+#include "poecal/geometry/se3.hpp"
+#include "robot/arm_size.hpp"
+
+namespace poecal {
+namespace {
+
+/// Shots of one pose: encoders of an arm at rest repeat to a tenth of a degree, and poses worth taking differ by many degrees.
+constexpr double kFarForOnePose = 0.05;  // [rad], [m]
+
+void requireOnePose(const std::filesystem::path& file, const std::vector<Sample>& samples) {
+  std::map<long, const Sample*> first_of_pose;
+  for (const Sample& sample : samples) {
+    if (!sample.pose) continue;
+    const Sample& first = *first_of_pose.emplace(*sample.pose, &sample).first->second;
+    const auto refuse = [&](const std::string& what) {
+      throw FileError(file, sample.line,
+                      fmt::format("is pose {} as line {} is, but {}, expected shots of an arm at rest", *sample.pose, first.line, what));
+    };
+    for (Eigen::Index k = 0; k < std::min(sample.q.size(), first.q.size()); ++k) {
+      if (std::abs(sample.q(k) - first.q(k)) <= kFarForOnePose) continue;
+      refuse(fmt::format("q{} is {:.4g} here and {:.4g} there", k + 1, sample.q(k), first.q(k)));
+    }
+    if (!sample.T_base_flange || !first.T_base_flange) continue;
+    const Eigen::Isometry3d T = first.T_base_flange->inverse() * *sample.T_base_flange;
+    if (T.translation().norm() > kFarForOnePose || rotationAngle(T.linear()) > kFarForOnePose) {
+      refuse(fmt::format("its flange is {:.3g} m and {:.3g} rad away", T.translation().norm(), rotationAngle(T.linear())));
+    }
+  }
+}
+
+/// A joint without an end may stand at any turn, but no capture winds it up.
+void requireFewTurns(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  constexpr double kMany = 5.0;  // 90 degrees, taken for radians, are 14 turns
+  for (Eigen::Index k = 0; k < arm.jointCount(); ++k) {
+    const Joint& joint = arm.joints[static_cast<std::size_t>(k)];
+    if (joint.type != JointType::kRevolute || joint.limits) continue;
+    const auto [low, high] =
+        std::minmax_element(samples.begin(), samples.end(), [k](const Sample& a, const Sample& b) { return a.q(k) < b.q(k); });
+    const double turns = (high->q(k) - low->q(k)) / kTurn;
+    if (turns <= kMany) continue;
+    const Sample& extreme = std::abs(high->q(k)) >= std::abs(low->q(k)) ? *high : *low;
+    throw FileError(file, extreme.line,
+                    fmt::format("q{} ({}) is {:.6g} here and spans {:.0f} turns in all, expected radians; are the readings in degrees?",
+                                k + 1, joint.name, extreme.q(k), turns));
+  }
+}
+
+/// The speed that a joint may have at most, and whose word that is.
+struct SpeedLimit {
+  double speed = 0.0;  ///< [rad/s], [m/s]
+  std::string said;
+};
+
+SpeedLimit speedLimitOf(const Joint* joint) {
+  constexpr double kFastest = 40.0;  // [rad/s], [m/s]: the fastest wrists make 35 rad/s, the fastest tracks 5 m/s
+  constexpr double kBeyond = 3.0;    // controllers pass a URDF's limit by little, degrees for radians by 57
+  if (joint == nullptr || !joint->largest_speed) return {kFastest, "faster than any arm"};
+  return {kBeyond * *joint->largest_speed, fmt::format("far beyond the velocity limit {:.4g} of {}", *joint->largest_speed, joint->name)};
+}
+
+void requirePossibleSpeeds(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {
+  for (const Sample& sample : samples) {
+    for (Eigen::Index k = 0; k < sample.dq.size(); ++k) {
+      const Joint* joint = arm != nullptr ? &arm->joints[static_cast<std::size_t>(k)] : nullptr;
+      const SpeedLimit limit = speedLimitOf(joint);
+      if (std::abs(sample.dq(k)) <= limit.speed) continue;
+      const bool slides = joint != nullptr && joint->type == JointType::kPrismatic;
+      throw FileError(file, sample.line,
+                      fmt::format("dq{} is {:.4g}, {}, expected {}", k + 1, sample.dq(k), limit.said,
+                                  slides ? "m/s; are they in mm/s?" : "rad/s; are they in degrees per second?"));
+    }
+  }
+}
+
+void requirePossiblePayloads(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {
+  constexpr double kLargeArm = 2.0;                         // [m] of reach: arms that carry half a ton reach 2.5 m
+  constexpr double kLargest = 500.0, kOfLargeArm = 2500.0;  // [kg] the strongest arm carries 2300 kg
+  const double most = arm != nullptr && reachOf(*arm) < kLargeArm ? kLargest : kOfLargeArm;
+  for (const Sample& sample : samples) {
+    if (sample.payload.value_or(0.0) <= most) continue;
+    throw FileError(file, sample.line,
+                    fmt::format("payload is {:.6g}, more than such an arm carries, expected kg; is it in grams?", *sample.payload));
+  }
+}
+
+std::optional<std::string> unitOfStamps(double value, double gap) {
+  // Unix time is 2e9 s; rows of a capture are seconds to minutes apart.
+  constexpr double kLateUnix = 1e11, kLongGap = 3600.0;
+  if (value <= kLateUnix && gap <= kLongGap) return std::nullopt;
+  const bool nano = value > 1e17 || gap > 1e8, micro = value > 1e14 || gap > 1e6;
+  return nano ? "nanoseconds" : micro ? "microseconds" : "milliseconds";
+}
+
+}  // namespace
+
+double distanceOfRows(const Sample& a, const Sample& b) {
+  if (a.q.size() > 0 && a.q.size() == b.q.size()) return (a.q - b.q).cwiseAbs().maxCoeff();
+  if (!a.T_base_flange || !b.T_base_flange) return 0.0;
+  const Eigen::Isometry3d T = a.T_base_flange->inverse() * *b.T_base_flange;
+  return std::max(T.translation().norm(), rotationAngle(T.linear()));
+}
+
+void checkRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {
+  if (samples.empty()) return;
+  if (arm != nullptr && samples.front().q.size() > 0) requireFewTurns(file, samples, *arm);
+  requireOnePose(file, samples);
+  requirePossibleRows(file, samples, arm);
+}
+
+void requirePossibleRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {
+  requirePossibleSpeeds(file, samples, arm);
+  requirePossiblePayloads(file, samples, arm);
+}
+
+std::vector<std::string> stampRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples) {
+  std::vector<const Sample*> stamped;
+  for (const Sample& sample : samples) {
+    if (sample.stamp) stamped.push_back(&sample);
+  }
+  if (stamped.size() < 2) return {};
+  std::vector<std::string> remarks;
+  const auto remark = [&](const Sample& sample, const std::string& text) {
+    remarks.push_back(fmt::format("{}:{}: stamp {}", file.string(), sample.line, text));
+  };
+  std::vector<double> gaps;
+  const Sample* back = nullptr;
+  const Sample* before = nullptr;
+  for (std::size_t k = 1; k < stamped.size(); ++k) {
+    const double gap = *stamped[k]->stamp - *stamped[k - 1]->stamp;
+    gaps.push_back(std::abs(gap));
+    if (gap >= 0.0 || back != nullptr) continue;
+    back = stamped[k];
+    before = stamped[k - 1];
+  }
+  const Sample& first = *stamped.front();
+  if (*std::max_element(gaps.begin(), gaps.end()) == 0.0) {
+    remark(first, fmt::format("is {} in all rows, expected the time of each exposure [s]", *first.stamp));
+    return remarks;
+  }
+  if (back != nullptr) {
+    remark(*back, fmt::format("is {}, earlier than {} of line {}, expected rows in the order in which they were taken", *back->stamp,
+                              *before->stamp, before->line));
+  }
+  const double gap = median(std::move(gaps));
+  if (const auto unit = unitOfStamps(std::abs(*first.stamp), gap)) {
+    remark(first, fmt::format("is {:.6g} and rows are {:.3g} apart, expected seconds; are they {}?", *first.stamp, gap, *unit));
+  }
+  return remarks;
+}
+
+}  // namespace poecal

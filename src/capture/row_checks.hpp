@@ -1,0 +1,28 @@
+// What rows of one table say against each other, or against any arm.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "poecal/capture/capture.hpp"
+
+namespace poecal {
+
+/// How far two rows are from each other: the largest difference of their joint readings, or, where they have none, of their flange poses
+/// [m], [rad]. 0 where there is nothing to compare.
+double distanceOfRows(const Sample& a, const Sample& b);
+
+/// @param arm  nullptr where it is not known.
+/// @throws FileError with the line: joint velocities or a payload that the arm cannot have.
+void requirePossibleRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm);
+
+/// Of rows that were measured.
+/// @throws FileError as requirePossibleRows(); rows of one pose that are far from each other; a joint without limits whose readings span
+/// many turns.
+void checkRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm);
+
+/// Stamps that no clock in seconds gives: not ascending, all equal, in another unit. One sentence each, with file and line.
+std::vector<std::string> stampRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples);
+
+}  // namespace poecal
