@@ -62,7 +62,7 @@ class Selector {
     // Beside a curve of unknown shape another finding is mostly what the curve did not follow.
     const bool unknown_before =
         std::any_of(selection_.findings.begin(), selection_.findings.end(), [](const FoundEffect& found) { return found.isUnknown(); });
-    if (unknown_before) needed += kSearch.beside_unknown + kSearch.unknown_misfit * explained();
+    if (unknown_before) needed += kSearch.beside_unknown + kSearch.unknown_misfit * explained() + besideItsCurve(answer);
     // Explanations that are hard to tell apart speak together for there being something.
     if (!((first ? ranking.log_total : answer.log_weight) > needed)) return false;
     if (answer.scatter && takeStructureBeside(search_, ranking, answer)) return true;
@@ -79,6 +79,15 @@ class Selector {
     double most = 0.0;
     for (const FoundEffect& found : selection_.findings) most = std::max(most, found.chi_square);
     return most;
+  }
+
+  /// What more an answer has to explain at the place of a curve of unknown shape.
+  double besideItsCurve(const RankedAnswer& answer) const {
+    double more = 0.0;
+    for (const FoundEffect& found : selection_.findings) {
+      if (found.isUnknown() && found.place == answer.place) more = std::max(more, kSearch.unknown_own_misfit * found.chi_square);
+    }
+    return more;
   }
 
   /// The answer that serves best in a finding's place. Structure does not give way to a joint that moves at random, which explains all.

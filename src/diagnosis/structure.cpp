@@ -167,6 +167,17 @@ bool takeWavesInstead(SearchState& search, const Ranking& without, const RankedA
   return true;
 }
 
+/// How many effects with names a curve may be that stands for all of them; 0 where it is one cause.
+std::size_t namesThatMayHide(const FoundEffect& found) {
+  constexpr std::size_t kMost = 3;
+  if (!found.isUnknown() || !found.accepted || !found.accepted->candidate.curve) return 0;
+  // What grows with time at several places is seen at any of them.
+  if (!isWaves(found)) return found.driver.kind() == DriverKind::kStamp ? kMost : 0;
+  const std::vector<AngleWave>& terms = found.accepted->candidate.curve->terms;
+  const bool single = std::all_of(terms.begin(), terms.end(), [](const AngleWave& wave) { return wave.size() == 1; });
+  return single && terms.size() >= 2 && terms.size() <= kMost ? terms.size() : 0;
+}
+
 }  // namespace
 
 void takeUp(SearchState& search, const Ranking& ranking, std::size_t chosen) {
@@ -219,19 +230,16 @@ void growStructure(SearchState& search) {
 }
 
 void splitIntoNames(SearchState& search) {
-  constexpr std::size_t kMost = 3;
   std::vector<FoundEffect>& findings = search.selection.findings;
-  if (!isWaves(findings.back())) return;
-  const std::vector<AngleWave>& terms = findings.back().accepted->candidate.curve->terms;
-  const bool single = std::all_of(terms.begin(), terms.end(), [](const AngleWave& wave) { return wave.size() == 1; });
-  const std::size_t count = terms.size(), room = search.limits().most - findings.size() + 1;
-  if (!single || count < 2 || count > std::min(kMost, room)) return;
-  const double of_waves = search.linear.logLikelihood() + fittedShare(findings.back().accepted->candidate);
+  const std::size_t most = std::min(namesThatMayHide(findings.back()), search.limits().most - findings.size() + 1);
+  if (most == 0) return;
+  const double of_curve = search.linear.logLikelihood() + fittedShare(findings.back().accepted->candidate);
+  const double enough = of_curve - kSearch.relative_misfit * findings.back().chi_square;
   const std::vector<FoundEffect> before = findings;
   findings.pop_back();
   search.refitAll();
   double shares = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < most; ++i) {
     const Ranking ranking = search.ranked();
     const auto named = std::find_if(ranking.answers.begin(), ranking.answers.end(), [](const RankedAnswer& answer) {
       return answer.candidate && answer.candidate->known() && answer.log_weight > 0.0;
@@ -239,8 +247,10 @@ void splitIntoNames(SearchState& search) {
     if (named == ranking.answers.end()) break;
     shares += fittedShare(*named->candidate);
     search.add(ranking, static_cast<std::size_t>(named - ranking.answers.begin()));
+    // A single name was weighed against the curve already, and names that are all at one place are a curve of time taken to pieces.
+    const bool apart = isWaves(before.back()) || findings.back().place != findings[before.size() - 1].place;
+    if (i > 0 && apart && search.linear.logLikelihood() + shares > enough) return;
   }
-  if (search.linear.logLikelihood() + shares > of_waves - kSearch.relative_misfit * before.back().chi_square) return;
   findings = before;
   search.refitAll();
 }

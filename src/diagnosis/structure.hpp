@@ -23,8 +23,8 @@ void preferCurve(SearchState& search, const Ranking& ranking, std::size_t named)
 /// more of them show.
 void growStructure(SearchState& search);
 
-/// A few waves of one angle each that were taken last, together, may be as many effects that have names: these are the answer where they
-/// serve as well.
+/// A few waves of one angle each that were taken last, or a curve of time, may be several effects that have names: these are the answer
+/// where they serve as well.
 void splitIntoNames(SearchState& search);
 
 }  // namespace poecal

@@ -270,12 +270,21 @@ class Identifier {
     Judged freed = judge(true);
     if (!clearlyBetter(freed, stated)) return {std::move(stated)};
     result_.camera_refitted = true;
-    const std::string said = fmt::format(
-        "the stated lens is wrong: with the camera re-fitted ({}) the error on poses that the fit did not see falls from {:.2f} to {:.2f} "
-        "px "
-        "rms",
-        lensMoveText(freed.fit, *cell_.camera), stated.stages.back().held_out_kept.px.rms, freed.stages.back().held_out_kept.px.rms);
+    const double before = stated.stages.back().held_out_kept.px.rms, after = freed.stages.back().held_out_kept.px.rms;
+    const std::string said =
+        fmt::format("{} with the camera re-fitted ({}) the error on poses that the fit did not see falls from {:.2f} to {:.2f} px rms",
+                    fitsAsFreePoses(after) ? "the stated lens is wrong:"
+                                           : "the stated lens may be wrong, or another one stands in for some other effect:",
+                    lensMoveText(freed.fit, *cell_.camera), before, after);
     return {std::move(freed), {said}, std::move(stated)};
+  }
+
+  /// Whether so many pixels are about what pictures leave with poses of their own, which follow what little noise they can.
+  bool fitsAsFreePoses(double px) const {
+    constexpr double kAbout = 6.0;
+    std::vector<double> free;
+    for (const RegisteredSample& sample : samples_) free.push_back(sample.free_rms_px);
+    return !free.empty() && px <= kAbout * median(std::move(free));
   }
 
   /// Paired over poses that both judged: a drop of the rms by a fifth that is also 2.6 standard errors (1 %, two-sided) above none.

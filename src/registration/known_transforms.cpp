@@ -15,6 +15,8 @@ namespace {
 
 // A loose arm that is still nominal misses by some times more where it may not shift; a transform in other units by thousands of times.
 constexpr double kFarWorse = 10.0;
+// Beyond what shifted axes of an arm cost: then a transform is off, by however little.
+constexpr double kClearlyWorse = 3.0;
 // Where it fits as well as this, nothing is contradicted.
 constexpr double kWorse = 1.2;
 
@@ -51,7 +53,8 @@ Registration freed(const Registration& known, bool near, const std::vector<Hypot
 }
 
 /// What the poses say against the near (or far) transform, which they put where `seen` has it; empty where nothing.
-std::string contradiction(const Registration& stated, bool near, const Registration& seen) {
+/// @param slight  also by less than a nominal arm may be the cause of
+std::string contradiction(const Registration& stated, bool near, const Registration& seen, bool slight = false) {
   // What the axes of a loose arm that is still nominal may turn and shift a registration by.
   constexpr double kAngle = 0.05, kDistance = 0.05, kSigmas = 5.0;  // [rad], [m]
   const std::optional<KnownTransform>& known = near ? stated.known_near : stated.known_far;
@@ -60,7 +63,7 @@ std::string contradiction(const Registration& stated, bool near, const Registrat
   const Vector6d off = logSe3(T * known->T.inverse());
   const bool beyond = (off.cwiseAbs().array() > kSigmas * known->sigma.array()).any();
   const double angle = off.head<3>().norm(), distance = (T.translation() - known->T.translation()).norm();
-  if (!beyond || (angle < kAngle && distance < kDistance)) return "";
+  if (!beyond || (!slight && angle < kAngle && distance < kDistance)) return "";
   return fmt::format("{} is stated {:.0f} mm and {:.0f} mrad from where the poses put it: is it of this cell, and the right way round?",
                      near ? nearName(stated) : farName(stated), 1e3 * distance, 1e3 * angle);
 }
@@ -93,21 +96,27 @@ std::vector<std::string> weighInKnown(const Cell& known, const std::vector<Obser
                                       const std::vector<HypothesisSample>& samples, bool robust, Consensus& found) {
   const Registration& stated = known.registration;
   if (!stated.known_near && !stated.known_far) return {};
-  std::vector<std::string> contradictions;
-  for (const bool near : {true, false}) {
-    std::string said = contradiction(stated, near, found.fit.cell.registration);
-    if (!said.empty()) contradictions.push_back(std::move(said));
-  }
+  const auto contradictionsBy = [&stated](const Registration& seen, bool slight) {
+    std::vector<std::string> all;
+    for (const bool near : {true, false}) {
+      std::string said = contradiction(stated, near, seen, slight);
+      if (!said.empty()) all.push_back(std::move(said));
+    }
+    return all;
+  };
+  const Registration own = found.fit.cell.registration;
+  std::vector<std::string> contradictions = contradictionsBy(own, false);
   Cell start = found.fit.cell;
   start.registration.known_near = stated.known_near;
   start.registration.known_far = stated.known_far;
   const double by_itself = found.misfit;
   found = fitted(start, found.closed_form, observations, samples, robust);
+  if (contradictions.empty() && found.misfit > kClearlyWorse * by_itself) contradictions = contradictionsBy(own, true);
   if (!contradictions.empty() && !(found.misfit < kFarWorse * by_itself)) {
     throw ImplausibleCapture(contradictions.front(), InputPart::kRegistration);
   }
-  // Poses that hardly turn put a transform anywhere.
-  if (found.misfit < kWorse * by_itself) return {};
+  // Poses that hardly turn put a transform anywhere, and leave it where it is stated to be.
+  if (found.misfit < kWorse * by_itself) return contradictionsBy(found.fit.cell.registration, false);
   return contradictions;
 }
 

@@ -103,14 +103,46 @@ TEST(KnownRegistration, ATransformThatThePicturesContradictIsTold) {
   }
 }
 
-/// What is said of a cell whose transforms are both known wrongly, or nothing.
+/// What is said of a cell whose transforms are known wrongly, or nothing.
 std::string saidOf(const Cell& stated, const Measurements& measurements) {
   try {
-    calibrate(stated, measurements, {.last = CalibrationStep::kRegistration});
+    const Calibration calibration = calibrate(stated, measurements, {.last = CalibrationStep::kRegistration});
+    std::string warnings;
+    for (const std::string& warning : calibration.warnings) warnings += warning + "\n";
+    return warnings;
   } catch (const ImplausibleInput& error) {
     return error.what();
   }
-  return "";
+}
+
+// A calliper that slipped: within what a nominal arm shifts a registration by, but not within what it costs.
+TEST(KnownRegistration, AFewCentimetresAreToldToo) {
+  test::TrueCell truth(66, Setup::kEyeToHand, false);
+  const Measurements measurements = truth.pictures();
+  const auto aside = [](double metres) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translation().y() = metres;
+    return T;
+  };
+  for (const double metres : {0.03, 0.05}) {
+    Cell stated = truth.stated();
+    stated.registration.known_far = fixedAt(truth.cell.registration.T_far_target * aside(metres));
+    EXPECT_THAT(saidOf(stated, measurements), HasSubstr("T_flange_target is stated")) << metres;
+  }
+}
+
+TEST(KnownRegistration, ABeliefThatThePosesOverruleIsTold) {
+  test::TrueCell truth(67, Setup::kEyeToHand, false);
+  const Measurements measurements = truth.pictures();
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(0.01), Eigen::Vector3d::Constant(5e-3);
+  Cell stated = truth.stated();
+  Eigen::Isometry3d turned = truth.cell.registration.T_far_target;
+  stated.registration.known_far = {.T = turned, .sigma = sigma};
+  EXPECT_THAT(saidOf(stated, measurements), Not(HasSubstr("is stated")));
+  turned.rotate(Eigen::AngleAxisd(0.15, Eigen::Vector3d::UnitX()));
+  stated.registration.known_far = {.T = turned, .sigma = sigma};
+  EXPECT_THAT(saidOf(stated, measurements), HasSubstr("T_flange_target is stated"));
 }
 
 TEST(KnownRegistration, OfTwoTheWrongOneIsToldAndNoJointIsBlamed) {
