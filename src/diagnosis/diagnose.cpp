@@ -133,8 +133,9 @@ void tellGap(const Gap& gap, const std::vector<Rung>& rungs, Diagnosis& diagnosi
 
 /// How the findings serve poses that their fit did not see.
 struct Climbed {
-  std::vector<bool> serves;  ///< each of them
-  bool worse = false;        ///< all together make them worse than the identification left them: then none is named
+  std::vector<bool> serves;    ///< each of them
+  std::vector<double> ratios;  ///< of each: rms without it over that with it
+  bool worse = false;          ///< all together make them worse than the identification left them: then none is named
 };
 
 /// The ladder, and how much each finding shrinks the excess.
@@ -175,11 +176,39 @@ Climbed climb(const Selection& selection, const MeasuredCell& measured, const Id
     const Rung without = others.empty() ? identified : rungOf("", others, Waves::kChosenAnew);
     const Rung without_kept = others.empty() || choices == 1 ? without : rungOf("", others, Waves::kKept);
     diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : gap.shrinkage(without, all, {}, with_waves);
+    climbed.ratios.push_back(rmsOf(without_kept) / std::max(rmsOf(kept), 1e-12));
     climbed.serves.push_back(servesOthers(selection.findings[i], gain(without_kept, kept)));
   }
-  constexpr double kBeyondChance = 1.05;
-  climbed.worse = rmsOf(kept) > kBeyondChance * rmsOf(identified);
+  constexpr double kWorse = 1.05;
+  climbed.worse = rmsOf(kept) > kWorse * rmsOf(identified);
   return climbed;
+}
+
+/// A name that rests on what is believed of the cell alone: it makes no other pose better, and either the arm is far from its robot file
+/// with it too, or its own size is nothing beyond its deviation, or that of no real cell.
+bool isHollow(const Selection& selection, const Climbed& climbed, std::size_t i) {
+  constexpr double kBetter = 1.05;
+  constexpr double kOtherArm = 4.0;  // times the tolerances: loose arms exceed them up to three times
+  constexpr double kNothing = 9.0;   // three sigma
+  const FoundEffect& found = selection.findings[i];
+  if (!found.accepted || !found.accepted->candidate.known() || climbed.ratios[i] > kBetter) return false;
+  // Of a lens the identification may have made the same fit.
+  if (found.place.kind == PlaceKind::kCameraLens) return false;
+  const Candidate& candidate = found.accepted->candidate;
+  const auto sizes = found.accepted->factors.head(candidate.own()).cwiseAbs().cwiseQuotient(candidate.typical.head(candidate.own()));
+  return sizes.maxCoeff() > kSearch.absurd_size || selection.linear.noise.tolerance > kOtherArm ||
+         factorsChiSquare(selection, i) < kNothing;
+}
+
+/// The first finding that is not to be given; as many as there are where all are.
+std::size_t firstUseless(const Selection& selection, const Climbed& climbed, bool judge_names) {
+  std::size_t i = 0;
+  for (; i < selection.findings.size(); ++i) {
+    const FoundEffect& found = selection.findings[i];
+    const bool judged = found.isUnknown() || judge_names;
+    if (!found.scatter && ((judged && !climbed.serves[i]) || isHollow(selection, climbed, i))) break;
+  }
+  return i;
 }
 
 }  // namespace
@@ -209,12 +238,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       limits.most = 0;
       continue;
     }
-    std::size_t useless = 0;
-    for (; useless < diagnosis.findings.size(); ++useless) {
-      const std::string& effect = diagnosis.findings[useless].effect;
-      const bool judged = effect == kUnknownEffect || !limits.curves || isSmall(measured);
-      if (!selection.findings[useless].scatter && judged && !climbed.serves[useless]) break;
-    }
+    const std::size_t useless = firstUseless(selection, climbed, !limits.curves || isSmall(measured));
     if (useless == diagnosis.findings.size()) {
       tellNoise(selection, diagnosis);
       tellWhere(selection, diagnosis);
@@ -226,7 +250,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       diagnosis.possibilities = std::move(possibilities);
       return diagnosis;
     }
-    if (diagnosis.findings[useless].effect != kUnknownEffect && isSmall(measured)) {
+    if (diagnosis.findings[useless].effect != kUnknownEffect && (isSmall(measured) || isHollow(selection, climbed, useless))) {
       possibilities.push_back(diagnosis.findings[useless]);
       limits.most = useless;
       continue;

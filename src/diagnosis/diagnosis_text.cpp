@@ -145,8 +145,8 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
     for (const Finding& finding : diagnosis.findings) text += findingText(diagnosis, finding);
   }
   for (const Finding& possible : diagnosis.possibilities) {
-    text += fmt::format("  possible: {} at {} ({} sure), but it does not serve poses that the fit did not see: take more poses\n",
-                        possible.effect, possible.location, percentText(std::min(0.999, possible.probability)));
+    text += fmt::format("  possible: {} at {}, but it does not serve poses that the fit did not see: take more poses\n", possible.effect,
+                        possible.location);
   }
   text += remains(diagnosis);
   text += ladder(diagnosis);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
+
 #include "identification/fit.hpp"
 
 namespace poecal {
@@ -60,6 +62,27 @@ std::vector<Eigen::VectorXd> factorDeviations(const Selection& selection) {
     begin += one.factors.size();
   }
   return all;
+}
+
+double factorsChiSquare(const Selection& selection, std::size_t finding) {
+  Eigen::Index begin = selection.linear.rows.J.cols();
+  for (std::size_t i = 0; i < finding; ++i) {
+    if (selection.findings[i].accepted) begin += selection.findings[i].accepted->factors.size();
+  }
+  const Accepted& one = *selection.findings[finding].accepted;
+  const Eigen::Index count = one.factors.size();
+  const Eigen::MatrixXd covariance = selection.linear.noise.covariance.block(begin, begin, count, count);
+  const Eigen::VectorXd d = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> correlation(d.asDiagonal() * covariance * d.asDiagonal());
+  const Eigen::VectorXd along = correlation.eigenvectors().transpose() * d.cwiseProduct(one.factors);
+  // Factors that move together all but exactly: of what is between them, rounding is left.
+  constexpr double kRounding = 1e-9;
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double variance = correlation.eigenvalues()(i);
+    if (variance > kRounding) sum += along(i) * along(i) / variance;
+  }
+  return sum;
 }
 
 double scatterSigma(const Selection& selection, const FoundEffect& found) {

@@ -5,10 +5,12 @@
 
 #include "diagnosis/found_model.hpp"
 #include "diagnosis/small_cell.hpp"
+#include "poecal/geometry/se3.hpp"
 
 namespace poecal {
 namespace {
 
+using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr double kSigma = 0.1;  // [px]
@@ -111,6 +113,27 @@ TEST_P(Sway, OfTheCameraIsToldThere) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Sway, ::testing::Values(91, 92, 93));
+
+class OtherArm : public ::testing::TestWithParam<std::uint64_t> {};
+
+// A robot file with an upper arm that is 5 cm short. The fitted axes make up for it, and a tag of another size would save them most of it:
+// nothing of the target is to be named for that.
+TEST_P(OtherArm, IsNotBlamedOnTheTarget) {
+  test::SmallCell small = test::smallCell(GetParam(), 60, kSigma, {});
+  const Eigen::Vector3d longer(0.0, 0.0, 0.05);
+  for (std::size_t k = 2; k < small.nominal.joints.size(); ++k) {
+    Joint& joint = small.nominal.joints[k];
+    joint = Joint::revolute(joint.name, joint.axis(), joint.anchor + longer);
+  }
+  Eigen::Isometry3d tip = expSe3(small.nominal.gamma);
+  tip.translation() += longer;
+  small.nominal.gamma = logSe3(tip);
+  const Diagnosis diagnosis = small.diagnosis();
+  EXPECT_THAT(diagnosis.findings, IsEmpty()) << diagnosisText(diagnosis, {});
+  EXPECT_GT(diagnosis.arm_beyond_tolerance, 2.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, OtherArm, ::testing::Values(101, 102, 103));
 
 /// Estimates over seeds scatter as their own deviations say.
 TEST(FoundModel, DeviationsAreThoseOfTheEstimates) {
