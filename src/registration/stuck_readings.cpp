@@ -1,7 +1,7 @@
 #include "registration/stuck_readings.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -45,9 +45,9 @@ class Finder {
 
   std::optional<StuckReadings> find() const {
     const auto joints = observations_.front().q.size();
-    std::optional<StuckReadings> found =
-        judged("the readings stay",
-               longestRun(order_.size(), [&](std::size_t k) { return samePose(poseAt(k), poseAt(k - 1)) && row(k).q == row(k - 1).q; }));
+    const Run frozen =
+        longestRun(order_.size(), [&](std::size_t k) { return samePose(poseAt(k), poseAt(k - 1)) && row(k).q == row(k - 1).q; });
+    std::optional<StuckReadings> found = judged("the readings stay", frozen);
     for (Eigen::Index joint = 0; joint < joints && !found; ++joint) {
       const Run run = longestRun(order_.size(), [&](std::size_t k) { return row(k).q(joint) == row(k - 1).q(joint); });
       if (isGrid(joint, run)) continue;
@@ -59,6 +59,28 @@ class Finder {
  private:
   const Observation& row(std::size_t k) const { return observations_[order_[k]]; }
   const Eigen::Isometry3d& poseAt(std::size_t k) const { return samples_[order_[k]].T_near_far; }
+
+  /// Whether the target is seen to move in a run; shots of one pose show it where it was.
+  bool targetMoves(const Run& run) const {
+    constexpr double kMovedPx = 5.0, kMoved = 5e-3;  // far beyond what poses come back by, in pictures and in metres
+    std::size_t moved = 0;
+    for (std::size_t k = run.begin + 1; k < run.end; ++k) {
+      const Observation &here = row(k), &before = row(k - 1);
+      if (here.pose && before.pose) {
+        moved += (here.pose->T_camera_target.translation() - before.pose->T_camera_target.translation()).norm() > kMoved;
+        continue;
+      }
+      std::map<PointId, Eigen::Vector2d> seen;
+      for (const CornerMeasurement& corner : before.corners) seen[corner.id] = corner.px;
+      double farthest = 0.0;
+      for (const CornerMeasurement& corner : here.corners) {
+        const auto same = seen.find(corner.id);
+        if (same != seen.end()) farthest = std::max(farthest, (corner.px - same->second).norm());
+      }
+      moved += farthest > kMovedPx;
+    }
+    return 2 * moved + 1 > run.size();
+  }
 
   /// Commanded values come back; readings of a joint that moves do not.
   bool isGrid(Eigen::Index joint, const Run& run) const {
@@ -73,7 +95,7 @@ class Finder {
   }
 
   std::optional<StuckReadings> judged(const std::string& what, const Run& run) const {
-    if (run.size() < kFewestStuck || order_.size() - run.size() < kFewestOthers) return {};
+    if (run.size() < kFewestStuck || order_.size() - run.size() < kFewestOthers || !targetMoves(run)) return {};
     std::vector<Observation> others;
     std::vector<HypothesisSample> other_samples;
     for (std::size_t k = 0; k < order_.size(); ++k) {

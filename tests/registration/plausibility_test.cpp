@@ -60,6 +60,18 @@ TEST(Plausibility, AJointThatIsParkedIsNotStuck) {
   }
 }
 
+TEST(Plausibility, ShotsOfOnePoseAreNotStuck) {
+  Rng rng = test::rngOfThisTest();
+  MadeCapture capture = makeCapture({"elbow", Setup::kEyeToHand, Readings::kJoints, View::kWide, 30}, rng);
+  // A pose that belongs to no other, five times: as of a camera that was touched and put back.
+  Observation wild = capture.observations[11];
+  wild.q(1) += 0.2;
+  capture.observations.insert(capture.observations.begin() + 11, 5, wild);
+  for (std::size_t k = 0; k < capture.observations.size(); ++k) capture.observations[k].sample = k;
+  const Said answer = said(capture);
+  EXPECT_FALSE(answer.refused) << answer.message;
+}
+
 TEST(Plausibility, ABoardThatIsStatedWronglyIsNamed) {
   Rng rng = test::rngOfThisTest();
   const MadeCapture good = makeCapture({"elbow", Setup::kEyeInHand, Readings::kJoints, View::kLookAt, 25}, rng);
