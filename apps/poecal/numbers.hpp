@@ -1,6 +1,7 @@
 // What an option's number must be. CLI11's own validators answer with the largest double, 309 digits of it.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -8,7 +9,7 @@
 
 namespace poecal::app {
 
-inline CLI::Validator numberWhere(bool (*holds)(double), const std::string& wanted, const std::string& name) {
+inline CLI::Validator numberWhere(std::function<bool(double)> holds, const std::string& wanted, const std::string& name) {
   return {[holds, wanted](std::string& word) {
             double number = 0.0;
             const bool is_number = CLI::detail::lexical_cast(word, number);
@@ -27,13 +28,8 @@ inline CLI::Validator nonNegativeNumber() {
 
 /// A number from `low` to `high`, both among them.
 inline CLI::Validator numberFrom(double low, double high, const std::string& unit) {
-  const std::string range = fmt::format("{:g} to {:g}{}", low, high, unit.empty() ? "" : " " + unit);
-  return {[low, high, range](std::string& word) {
-            double number = 0.0;
-            const bool is_number = CLI::detail::lexical_cast(word, number);
-            return is_number && number >= low && number <= high ? std::string() : "'" + word + "': expected " + range;
-          },
-          "NUMBER"};
+  return numberWhere([low, high](double number) { return number >= low && number <= high; },
+                     fmt::format("{:g} to {:g} {}", low, high, unit), "NUMBER");
 }
 
 }  // namespace poecal::app

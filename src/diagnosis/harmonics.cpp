@@ -371,8 +371,7 @@ double sizeOf(const AngleWave& wave) {
 }  // namespace
 
 WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& samples) {
-  constexpr double kStill = 0.05;                    // [rad]
-  constexpr double kTypical = 2e-4, kFine = 4.0;     // [rad], and |n| at which waves are half as large
+  constexpr double kFine = 4.0;                      // |n| at which waves are half as large
   constexpr double kLowest = 4.5, kHighest = 200.0;  // of those: lower ones are among the whole waves nearly
   constexpr double kSpacing = 1.6;                   // [rad] of phase over the joint's range from one order to the next
   std::vector<double> range(arm.joints.size(), 0.0);
@@ -383,13 +382,13 @@ WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& sample
     });
     range[k] = high->q(static_cast<Eigen::Index>(k)) - low->q(static_cast<Eigen::Index>(k));
     unit_.push_back(1.0);
-    if (arm.joints[k].type == JointType::kRevolute && range[k] > kStill) turning.push_back(k);
+    if (arm.joints[k].type == JointType::kRevolute && range[k] > kSearch.still) turning.push_back(k);
   }
   double total = 0.0;
   for (AngleWave& wave : commonWaves(turning)) {
     const double size = sizeOf(wave);
     // A wave of a size is one of about size^2: all sizes together are alike.
-    common_.push_back({std::move(wave), std::pow(std::max(1.0, size), -2), kTypical / (1.0 + size / kFine)});
+    common_.push_back({std::move(wave), std::pow(std::max(1.0, size), -2), kSearch.typical_wave / (1.0 + size / kFine)});
     total += common_.back().log_share;
   }
   for (Entry& entry : common_) entry.log_share = std::log(kSearch.whole_factors * entry.log_share / total);
@@ -398,7 +397,7 @@ WaveDictionary::WaveDictionary(const Arm& arm, const std::vector<Sample>& sample
     const double step = kSpacing / std::min(range[k], 2.0 * M_PI);
     for (int i = 0; kLowest + i * step <= kHighest; ++i) {
       const double order = std::round(1000.0 * (kLowest + i * step)) / 1000.0;
-      own_[k].push_back({{{k, order}}, 0.0, kTypical / (1.0 + 1.0 / kFine)});
+      own_[k].push_back({{{k, order}}, 0.0, kSearch.typical_wave / (1.0 + 1.0 / kFine)});
     }
     for (Entry& entry : own_[k]) entry.log_share = std::log((1.0 - kSearch.whole_factors) / static_cast<double>(own_[k].size()));
   }

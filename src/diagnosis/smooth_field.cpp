@@ -19,8 +19,6 @@ namespace {
 // Radians over which a field is much the same: a joint seldom turns by more than a few of the longest, and eighty poses cannot show less
 // than the shortest.
 constexpr std::array kLengths{0.5, 1.0, 2.0};
-constexpr double kTypical = 2e-4;  // [rad], as of waves
-constexpr double kStill = 0.05;    // [rad]
 // Poses beyond these add little to which joints and which length it is.
 constexpr Eigen::Index kMostPoses = 160;
 
@@ -69,7 +67,7 @@ Joints turningJoints(const Linearised& linear) {
     const auto [low, high] =
         std::minmax_element(linear.rows.observations.begin(), linear.rows.observations.end(),
                             [k](const ObservationRows& a, const ObservationRows& b) { return readingOf(a, k) < readingOf(b, k); });
-    if (arm.joints[k].type == JointType::kRevolute && readingOf(*high, k) - readingOf(*low, k) > kStill) turning.push_back(k);
+    if (arm.joints[k].type == JointType::kRevolute && readingOf(*high, k) - readingOf(*low, k) > kSearch.still) turning.push_back(k);
   }
   return turning;
 }
@@ -101,7 +99,7 @@ double evidenceOf(const Turns& turns, const Eigen::MatrixXd& L) {
   const Eigen::ArrayXd information = eigen.eigenvalues().array().cwiseMax(0.0);
   std::vector<double> logs;
   for (const double scale : evidenceScales()) {
-    const double variance = std::pow(scale * kTypical, 2);
+    const double variance = std::pow(scale * kSearch.typical_wave, 2);
     const Eigen::ArrayXd grown = 1.0 + variance * information;
     logs.push_back(0.5 * (squares * variance / grown - grown.log()).sum());
   }
@@ -195,7 +193,7 @@ Candidate candidateOf(std::size_t joint, const Field& field, std::size_t among) 
   candidate.curve = Curve{.place = candidate.place, .range = {}, .terms = wavesOfKernel(field.over, field.length), .smooth = true};
   const auto waves = static_cast<Eigen::Index>(candidate.curve->terms.size());
   // Each wave's two factors have the variance that makes all waves together the kernel's.
-  candidate.typical = Eigen::VectorXd::Constant(2 * waves, kTypical / std::sqrt(static_cast<double>(waves)));
+  candidate.typical = Eigen::VectorXd::Constant(2 * waves, kSearch.typical_wave / std::sqrt(static_cast<double>(waves)));
   candidate.driver = Driver(driversOf(candidate.curve->terms));
   candidate.log_prior = logShareOf(field.over, among);
   return candidate;

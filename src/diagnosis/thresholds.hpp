@@ -43,6 +43,10 @@ struct SearchThresholds {
   /// A gap remains where its lower end is beyond so many times the noise: cells without an effect reach 0.8 in the withheld world.
   double gap_remains = 2.0;
 
+  // Structure of several joints, as waves or as a smooth field.
+  double typical_wave = 2e-4;  ///< [rad] 1 sigma of what is smooth, on real cells
+  double still = 0.05;         ///< [rad] a joint that turns by less drives nothing
+
   /// Sizes beyond so many typical ones are of no real cell: an effect that would be seen only there cannot be tested.
   double absurd_size = 20.0;
   /// Before any effect is known: only what no effect does to a single pose.

@@ -16,9 +16,7 @@ Problem rowsOf(const Problem& few, std::size_t from, std::size_t to) {
   Problem some;
   some.cell = few.cell;
   for (std::size_t k = from; k < to; ++k) {
-    some.observations.push_back(few.observations[few.samples[k].observation]);
-    some.samples.push_back(few.samples[k]);
-    some.samples.back().observation = k - from;
+    some.add(few.observations[few.samples[k].observation], few.samples[k]);
   }
   return some;
 }

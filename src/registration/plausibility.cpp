@@ -66,7 +66,6 @@ constexpr double kFewBeside = 0.1;
 constexpr double kAsMostRows = 2.0;
 // Of two mistakes that explain as much with the arm's errors taken out, the share of the other's misfit at which one stands before it.
 constexpr double kFarBetter = 0.5;
-constexpr std::size_t kRows = 40;
 constexpr std::size_t kRefined = 12;
 
 struct Suspicion {
@@ -77,6 +76,8 @@ struct Suspicion {
   std::string left;        ///< misfit with its unit
   std::string other = {};  ///< another mistake that explains as much
 };
+
+const char* misfitUnit(const Observation& observation) { return observation.pose ? "of their deviations" : "px"; }
 
 /// "0.11 px", or of poses "0.05 mm".
 std::string leftText(const Problem& problem, const Registration& registration, double misfit) {
@@ -108,8 +109,7 @@ std::size_t cornerCount(const std::vector<Observation>& observations) {
 }
 
 Suspicion suspicionOf(const std::string& text, std::optional<std::size_t> sample, double misfit, const Problem& few) {
-  const bool poses = few.observations.front().pose.has_value();
-  return {text, InputPart::kSamples, sample, misfit, misfit, fmt::format("{:.4g} {}", misfit, poses ? "of their deviations" : "px")};
+  return {text, InputPart::kSamples, sample, misfit, misfit, fmt::format("{:.4g} {}", misfit, misfitUnit(few.observations.front()))};
 }
 
 Suspicion suspicionOf(const MispairedRows& rows, const Problem& few) { return suspicionOf(rows.text, rows.sample, rows.misfit, few); }
@@ -238,9 +238,8 @@ double shareBeside(const Consensus& found, const std::vector<HypothesisSample>& 
 }
 
 [[noreturn]] void refuse(const StuckReadings& stuck, const std::vector<Observation>& observations) {
-  const bool poses = observations.front().pose.has_value();
   throw ImplausibleCapture(fmt::format("{} (these rows leave {:.3g} {}, the others {:.3g})", stuck.text, stuck.misfit,
-                                       poses ? "of their deviations" : "px", stuck.others),
+                                       misfitUnit(observations.front()), stuck.others),
                            InputPart::kSamples, stuck.sample);
 }
 
@@ -258,7 +257,7 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
   if (const std::optional<StuckReadings> stuck = findStuckReadings(cell, observations, samples)) refuse(*stuck, observations);
   const bool beside = shareBeside(found, samples, misfitIn(cell, observations)) > kManyBeside;
   if (!beside && found.misfit <= floor) return;
-  const Problem few = thinned(cell, observations, samples, kRows);
+  const Problem few = thinned(cell, observations, samples, kSearchedRows);
   // Fewer poses fit any pictures.
   if (few.observations.size() < 4) return;
   double chance = chanceMisfit(few);

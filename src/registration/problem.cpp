@@ -38,6 +38,12 @@ bool usable(const Problem& problem) { return problem.observations.size() >= 3; }
 
 }  // namespace
 
+void Problem::add(Observation observation, HypothesisSample sample) {
+  sample.observation = observations.size();
+  observations.push_back(std::move(observation));
+  samples.push_back(std::move(sample));
+}
+
 Problem thinned(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
                 std::size_t rows) {
   std::vector<std::size_t> different;
@@ -56,9 +62,7 @@ Problem thinned(const Cell& cell, const std::vector<Observation>& observations, 
     const std::size_t k = different[i * different.size() / count];
     Observation observation = observations[k];
     observation.corners = spreadCorners(observation.corners);
-    problem.observations.push_back(std::move(observation));
-    problem.samples.push_back(samples[k]);
-    problem.samples.back().observation = i;
+    problem.add(std::move(observation), samples[k]);
   }
   return problem;
 }
@@ -86,9 +90,7 @@ Problem agreeing(const Problem& problem, const Registration& registration) {
   kept.cell = problem.cell;
   for (const HypothesisSample& sample : problem.samples) {
     if (!(misfit(registration, sample) <= limit)) continue;
-    kept.samples.push_back(sample);
-    kept.samples.back().observation = kept.observations.size();
-    kept.observations.push_back(problem.observations[sample.observation]);
+    kept.add(problem.observations[sample.observation], sample);
   }
   return kept;
 }

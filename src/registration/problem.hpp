@@ -15,7 +15,13 @@ struct Problem {
   Cell cell;
   std::vector<Observation> observations;
   std::vector<HypothesisSample> samples;  ///< one per observation
+
+  /// Adds an observation with its sample, which then has its number here.
+  void add(Observation observation, HypothesisSample sample);
 };
+
+// Rows that a search over mistakes looks at: it registers them hundreds of times.
+constexpr std::size_t kSearchedRows = 40;
 
 /// At most `rows` observations of different poses that have candidates (or positions), evenly over the series, each with at most twelve
 /// corners far from each other.

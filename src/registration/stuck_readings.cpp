@@ -15,7 +15,6 @@ namespace {
 
 // Fewer rows tell nothing of a joint, and fewer others give no registration.
 constexpr std::size_t kFewestStuck = 4, kFewestOthers = 8;
-constexpr std::size_t kRows = 40;
 
 /// Rows [begin, end) in the order of the samples.
 struct Run {
@@ -96,15 +95,12 @@ class Finder {
 
   std::optional<StuckReadings> judged(const std::string& what, const Run& run) const {
     if (run.size() < kFewestStuck || order_.size() - run.size() < kFewestOthers || !targetMoves(run)) return {};
-    std::vector<Observation> others;
-    std::vector<HypothesisSample> other_samples;
+    Problem others;
     for (std::size_t k = 0; k < order_.size(); ++k) {
       if (k >= run.begin && k < run.end) continue;
-      others.push_back(row(k));
-      other_samples.push_back(samples_[order_[k]]);
-      other_samples.back().observation = others.size() - 1;
+      others.add(row(k), samples_[order_[k]]);
     }
-    const std::optional<Consensus> without = solve(thinned(cell_, others, other_samples, kRows), 2);
+    const std::optional<Consensus> without = solve(thinned(cell_, others.observations, others.samples, kSearchedRows), 2);
     if (!without) return {};
     const Registration& registration = without->fit.cell.registration;
     const Misfit misfit = misfitIn(cell_, observations_);

@@ -178,15 +178,9 @@ int run(Arguments& arguments, const Common& common) {
   return 0;
 }
 
-CLI::Option* addPoint(CLI::App& app, const std::string& name, std::optional<Eigen::Vector3d>& point, const std::string& help) {
-  return app
-      .add_option_function<std::vector<double>>(
-          name, [&point](const std::vector<double>& p) { point = Eigen::Vector3d(p[0], p[1], p[2]); }, help)
-      ->expected(3)
-      ->type_name("X Y Z");
-}
-
-CLI::Option* addPoint(CLI::App& app, const std::string& name, Eigen::Vector3d& point, const std::string& help) {
+/// @param point  an Eigen::Vector3d, or an optional one
+template <typename Point>
+CLI::Option* addPoint(CLI::App& app, const std::string& name, Point& point, const std::string& help) {
   return app
       .add_option_function<std::vector<double>>(
           name, [&point](const std::vector<double>& p) { point = Eigen::Vector3d(p[0], p[1], p[2]); }, help)
