@@ -10,9 +10,13 @@
 #include "detection/picture_header.hpp"
 #include "poecal/capture/detections.hpp"
 #include "poecal/capture/image_names.hpp"
+#include "poecal/cell/known_registration.hpp"
+#include "poecal/cell/observation.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/detection/detect_capture.hpp"
+#include "poecal/registration/implausible.hpp"
+#include "poecal/registration/registration.hpp"
 
 namespace poecal {
 namespace {
@@ -100,6 +104,26 @@ void sayCoverage(const Detections& detections, const ImageSize& size, CheckList&
                        width >= kWide ? "" : ": go nearer or use a larger one, 40 px or more"));
 }
 
+/// What a calibration would refuse, before anything is fitted that takes long. Too little of something is said by what lacks.
+void tryRegistration(const Capture& capture, const Detections& detections, CheckList& list) {
+  Cell cell;
+  cell.camera = capture.camera;
+  if (capture.table.has_joints) cell.arm = capture.arm;
+  cell.registration.setup = capture.setup;
+  list.attempt("registration", [&] {
+    if (!capture.registration_file.empty()) readKnownRegistration(capture.registration_file, cell.registration);
+    try {
+      const RegistrationResult result = registerCell(cell, cornerObservations(capture.table, detections, capture.target), {});
+      list.add(CheckLevel::kOk, "registration",
+               fmt::format("as the robot is stated, the readings explain the corners to {:.3g} px", result.rms_px));
+      for (const std::string& warning : result.warnings) list.add(CheckLevel::kAdvice, "registration", warning);
+    } catch (const ImplausibleInput& suspicion) {
+      throw fileErrorOf(suspicion, capture);
+    } catch (const InsufficientData&) {
+    }
+  });
+}
+
 void sayDetections(const Capture& capture, CheckList& list) {
   const Target* reference = capture.reference ? &*capture.reference : nullptr;
   std::optional<ImageSize> size;
@@ -118,7 +142,12 @@ void sayDetections(const Capture& capture, CheckList& list) {
     return;
   }
   list.add(CheckLevel::kOk, "corners", fmt::format("{} in {}, found earlier", counted(corners, "corner"), counted(pictures, "picture")));
-  if (size) sayCoverage(detections, *size, list);
+  if (!size) return;
+  sayCoverage(detections, *size, list);
+  const bool told_apart = list.attempt("corners", [&] {
+    for (const std::string& remark : compareCornersOfPictures(capture.table, detections)) list.add(CheckLevel::kAdvice, "corners", remark);
+  });
+  if (told_apart) tryRegistration(capture, detections, list);
 }
 
 }  // namespace

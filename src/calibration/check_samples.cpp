@@ -9,7 +9,7 @@
 
 #include "calibration/check_parts.hpp"
 #include "calibration/row_contradictions.hpp"
-#include "capture/row_checks.hpp"
+#include "capture/still_readings.hpp"
 #include "poecal/effects/catalogue.hpp"
 #include "poecal/geometry/se3.hpp"
 #include "poecal/registration/hand_eye.hpp"
@@ -156,7 +156,8 @@ void checkSamples(const Arm* arm, const SampleTable& table, bool known, CheckLis
   const auto advise = [&list](const std::vector<std::string>& remarks) {
     for (const std::string& remark : remarks) list.add(CheckLevel::kAdvice, "samples", remark);
   };
-  advise(stampRemarks(table.file, table.samples));
+  advise(remarksOnRows(table.file, table.samples, arm));
+  if (table.has_joints) advise(stillRemarks(table.file, table.samples));
   if (arm != nullptr) list.attempt("samples", [&] { advise(compareFlangePoses(*arm, table)); });
   sayColumns(table, list);
 }

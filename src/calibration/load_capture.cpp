@@ -4,7 +4,6 @@
 
 #include "calibration/kept_result.hpp"
 #include "calibration/row_contradictions.hpp"
-#include "capture/row_checks.hpp"
 #include "poecal/calibration/board_folder.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/capture/image_names.hpp"
@@ -42,6 +41,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
   if (!capture.detections_file.empty()) {
     Detections detections = readDetections(capture.detections_file, capture.target, reference, ImageSize{camera.width, camera.height});
     listener.warnings(checkImagesMeet(capture.table, detections, capture.detections_file));
+    listener.warnings(compareCornersOfPictures(capture.table, detections));
     return detections;
   }
   listener.warnings(compareBytesOfPictures(capture));
@@ -105,7 +105,8 @@ LoadedCapture loadCapture(const CaptureSource& source, const std::filesystem::pa
   loaded.capture = openCapture(source);
   if (loaded.capture.camera) listener.warnings(loaded.capture.camera->remarks);
   const Capture& capture = loaded.capture;
-  listener.warnings(stampRemarks(capture.table.file, capture.table.samples));
+  const bool joints = capture.arm && capture.table.has_joints;
+  listener.warnings(remarksOnRows(capture.table.file, capture.table.samples, joints ? &*capture.arm : nullptr));
   if (capture.reference && capture.setup == Setup::kEyeInHand) {
     listener.warning("reference: is not used: before a camera on the flange every tag that stands still moves, as the target does");
   }

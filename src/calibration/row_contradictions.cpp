@@ -4,11 +4,13 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "capture/reading_steps.hpp"
 #include "capture/row_checks.hpp"
 #include "detection/picture.hpp"
 #include "poecal/core/content_key.hpp"
@@ -113,6 +115,24 @@ std::vector<std::pair<std::size_t, std::size_t>> equalPictures(const Capture& ca
   return pairs;
 }
 
+/// "p7.png is the same picture as p3.png of line 5".
+std::string sameText(const SampleTable& table, const std::pair<std::size_t, std::size_t>& rows, const char* shows) {
+  const Sample &first = table.samples[rows.first], &second = table.samples[rows.second];
+  return fmt::format("{} {} {} of line {}", second.image, shows, first.image, first.line);
+}
+
+constexpr const char* kOneEach = ", but the readings differ: expected one picture for each row";
+
+/// An arm at rest; no camera takes the same twice, but a drawn picture may be the same.
+bool readsTheSame(const SampleTable& table, const std::pair<std::size_t, std::size_t>& rows) {
+  constexpr double kMoved = 1e-3;  // [rad], [m]
+  return distanceOfRows(table.samples[rows.first], table.samples[rows.second]) <= kMoved;
+}
+
+std::string remarkOn(const SampleTable& table, std::size_t row, const std::string& text) {
+  return fmt::format("{}:{}: {}", table.file.string(), table.samples[row].line, text);
+}
+
 }  // namespace
 
 std::vector<std::string> compareFlangePoses(const Arm& arm, const SampleTable& table) {
@@ -132,16 +152,48 @@ std::vector<std::string> compareFlangePoses(const Arm& arm, const SampleTable& t
 }
 
 std::vector<std::string> compareBytesOfPictures(const Capture& capture) {
-  constexpr double kMoved = 1e-3;  // [rad], [m]: an arm at rest; no camera takes the same bytes twice, but a drawn picture may be
   std::vector<std::string> remarks;
-  for (const auto& [first, second] : equalPictures(capture)) {
-    const Sample &a = capture.table.samples[first], &b = capture.table.samples[second];
-    const std::string same = fmt::format("{} is the same picture as {} of line {}", b.image, a.image, a.line);
-    if (distanceOfRows(a, b) > kMoved) {
-      throw FileError(capture.table.file, b.line, same + ", but the readings differ: expected one picture for each row");
-    }
-    remarks.push_back(fmt::format("{}:{}: {}: one shot counts twice", capture.table.file.string(), b.line, same));
+  for (const auto& rows : equalPictures(capture)) {
+    const std::string same = sameText(capture.table, rows, "is the same picture as");
+    if (!readsTheSame(capture.table, rows)) throw FileError(capture.table.file, capture.table.samples[rows.second].line, same + kOneEach);
+    remarks.push_back(remarkOn(capture.table, rows.second, same + ": one shot counts twice"));
   }
+  return remarks;
+}
+
+std::vector<std::string> compareCornersOfPictures(const SampleTable& table, const Detections& detections) {
+  std::map<std::string, std::size_t> row_of;
+  for (std::size_t k = 0; k < table.samples.size(); ++k) row_of.emplace(table.samples[k].image, k);
+  using Place = std::tuple<int, int, double, double>;
+  std::map<std::vector<Place>, std::size_t> first_of;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (const ImageCorners& image : detections.images) {
+    const auto row = row_of.find(image.image);
+    if (row == row_of.end() || image.corners.empty()) continue;
+    std::vector<Place> places;
+    for (const Corner& corner : image.corners) places.emplace_back(corner.id.tag, corner.id.corner, corner.px.x(), corner.px.y());
+    const auto [first, fresh] = first_of.emplace(std::move(places), row->second);
+    if (!fresh) pairs.emplace_back(std::minmax(first->second, row->second));
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::vector<std::string> remarks;
+  double moved = 0.0;
+  for (const auto& rows : pairs) {
+    const std::string same = sameText(table, rows, "has exactly the corners of");
+    const bool at_rest = readsTheSame(table, rows);
+    moved += at_rest ? 0.0 : 1.0;
+    if (moved > kMany * static_cast<double>(row_of.size())) throw FileError(table.file, table.samples[rows.second].line, same + kOneEach);
+    remarks.push_back(remarkOn(table, rows.second, same + (at_rest ? ": one shot counts twice" : kOneEach)));
+  }
+  return remarks;
+}
+
+std::vector<std::string> remarksOnRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {
+  std::vector<std::string> remarks = stampRemarks(file, samples);
+  if (arm == nullptr) return remarks;
+  for (std::string& remark : turnRemarks(file, samples, *arm)) remarks.push_back(std::move(remark));
+  const Rounding rounding = roundingOf(*arm, samples);
+  if (rounding.isCoarse()) remarks.push_back(fmt::format("{}: {}", file.string(), rounding.text()));
   return remarks;
 }
 

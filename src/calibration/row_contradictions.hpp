@@ -1,10 +1,12 @@
 // Contradictions between the rows of a capture and what belongs to them: the arm, the pictures.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "poecal/capture/capture.hpp"
+#include "poecal/capture/detections.hpp"
 
 namespace poecal {
 
@@ -15,5 +17,14 @@ std::vector<std::string> compareFlangePoses(const Arm& arm, const SampleTable& t
 /// Looks for rows whose pictures are one file under two names; pictures without anything in them are passed over.
 /// @return remarks on rows whose readings are equal too. @throws FileError with both names and lines where they are not.
 std::vector<std::string> compareBytesOfPictures(const Capture& capture);
+
+/// The same of corners that were found earlier: no two pictures of a camera show every corner at the same fractions of a pixel.
+/// @return remarks on such rows. @throws FileError with both names and lines where the readings of more than a tenth of the rows are not
+/// equal too: single ones a calibration leaves out.
+std::vector<std::string> compareCornersOfPictures(const SampleTable& table, const Detections& detections);
+
+/// What rows say against each other, or lack: stamps, whole turns, readings that were rounded coarsely.
+/// @param arm  nullptr where there are no joint readings.
+std::vector<std::string> remarksOnRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm);
 
 }  // namespace poecal

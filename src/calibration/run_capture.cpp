@@ -5,7 +5,6 @@
 #include "calibration/identified_folder.hpp"
 #include "calibration/kept_result.hpp"
 #include "calibration/row_contradictions.hpp"
-#include "capture/row_checks.hpp"
 #include "poecal/calibration/outputs.hpp"
 #include "poecal/cell/known_registration.hpp"
 #include "poecal/core/error.hpp"
@@ -75,7 +74,7 @@ CalibrationRun runPoses(const PosesSource& source, const std::filesystem::path& 
   CalibrationRun run;
   const PoseTable table = readPoses(source.poses, *nominal.arm);
   run.measurements = measurementsOf(table);
-  listener.warnings(stampRemarks(table.file, run.measurements.samples));
+  listener.warnings(remarksOnRows(table.file, run.measurements.samples, &*nominal.arm));
   run.calibration = calibrateFrom(table, nominal, run.measurements, options, listener);
   listener.warnings(run.calibration.warnings);
   writeResults(run.calibration, run.measurements, files, out);

@@ -161,4 +161,35 @@ std::vector<std::string> stampRemarks(const std::filesystem::path& file, const s
   return remarks;
 }
 
+std::vector<std::string> turnRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  constexpr std::size_t kFewest = 6;  // fewer lie within half a turn by chance
+  std::vector<std::string> remarks;
+  if (samples.size() < kFewest) return remarks;
+  for (Eigen::Index k = 0; k < arm.jointCount(); ++k) {
+    const Joint& joint = arm.joints[static_cast<std::size_t>(k)];
+    if (joint.type != JointType::kRevolute) continue;
+    double sine = 0.0, cosine = 0.0;
+    for (const Sample& sample : samples) {
+      sine += std::sin(sample.q(k));
+      cosine += std::cos(sample.q(k));
+    }
+    const double middle = std::atan2(sine, cosine);
+    const auto turnsOf = [&](const Sample& sample) { return std::round((sample.q(k) - middle) / kTurn); };
+    const bool narrow = std::all_of(samples.begin(), samples.end(), [&](const Sample& sample) {
+      return std::abs(sample.q(k) - middle - kTurn * turnsOf(sample)) < 0.25 * kTurn;
+    });
+    if (!narrow) continue;
+    const auto jump =
+        std::adjacent_find(samples.begin(), samples.end(), [&](const Sample& a, const Sample& b) { return turnsOf(a) != turnsOf(b); });
+    if (jump == samples.end()) continue;
+    const Sample& after = *std::next(jump);
+    remarks.push_back(
+        fmt::format("{}:{}: q{} ({}) is {:.6g} here and {:.6g} in line {}, and but for whole turns it never leaves half a "
+                    "turn: expected readings that do not wrap around (2 pi off in some rows?)",
+                    file.string(), after.line, k + 1, joint.name, after.q(k), jump->q(k), jump->line));
+  }
+  return remarks;
+}
+
 }  // namespace poecal

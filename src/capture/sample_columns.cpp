@@ -58,6 +58,18 @@ std::string unitHint(const std::vector<Sample>& samples, Eigen::Index k, const J
   return revolute ? "; are the readings in degrees?" : "; are the readings in millimetres?";
 }
 
+/// "; 0.3, a whole turn away, is within them ..." where that holds for all readings of the joint.
+std::string turnHint(const std::vector<Sample>& samples, Eigen::Index k, const Joint& joint, double beyond) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  if (joint.type != JointType::kRevolute) return "";
+  const double middle = 0.5 * (joint.limits->lower + joint.limits->upper);
+  // A counter that wraps around is off by one turn; by many a reading of another unit comes near as well.
+  const auto unwound = [middle](double reading) { return reading - kTurn * std::clamp(std::round((reading - middle) / kTurn), -1.0, 1.0); };
+  const bool all =
+      std::all_of(samples.begin(), samples.end(), [&](const Sample& sample) { return within(unwound(sample.q(k)), *joint.limits); });
+  return all ? fmt::format("; {:.6g}, a whole turn away, is within them: do the readings wrap around?", unwound(beyond)) : "";
+}
+
 /// Without limits a turn too many is legitimate in one joint, but not in most of them at once.
 void checkUnlimitedReadings(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
   constexpr double kOneTurn = 1.05 * 2.0 * std::numbers::pi;
@@ -155,9 +167,10 @@ void checkReadings(const std::filesystem::path& file, const std::vector<Sample>&
     for (Eigen::Index k = 0; k < sample.q.size(); ++k) {
       const Joint& joint = arm.joints[static_cast<std::size_t>(k)];
       if (!joint.limits || within(sample.q(k), *joint.limits)) continue;
+      const std::string hints = unitHint(samples, k, joint) + turnHint(samples, k, joint, sample.q(k));
       throw FileError(file, sample.line,
                       fmt::format("q{} is {}, beyond the limits [{}, {}] of {}{}", k + 1, sample.q(k), joint.limits->lower,
-                                  joint.limits->upper, joint.name, unitHint(samples, k, joint)));
+                                  joint.limits->upper, joint.name, hints));
     }
   }
   checkUnlimitedReadings(file, samples, arm);

@@ -3,35 +3,15 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <set>
 
 #include <fmt/format.h>
 
+#include "capture/still_readings.hpp"
 #include "poecal/core/statistics.hpp"
 #include "registration/problem.hpp"
 
 namespace poecal {
 namespace {
-
-// Fewer rows tell nothing of a joint, and fewer others give no registration.
-constexpr std::size_t kFewestStuck = 4, kFewestOthers = 8;
-
-/// Rows [begin, end) in the order of the samples.
-struct Run {
-  std::size_t begin = 0, end = 0;
-  std::size_t size() const { return end - begin; }
-};
-
-/// The longest run of equal values. @param same  whether a row's readings are those of the row before.
-template <typename Same>
-Run longestRun(std::size_t rows, const Same& same) {
-  Run longest, run;
-  for (std::size_t k = 0; k < rows; ++k) {
-    run = k > 0 && same(k) ? Run{run.begin, k + 1} : Run{k, k + 1};
-    if (run.size() > longest.size()) longest = run;
-  }
-  return longest;
-}
 
 class Finder {
  public:
@@ -44,12 +24,12 @@ class Finder {
 
   std::optional<StuckReadings> find() const {
     const auto joints = observations_.front().q.size();
-    const Run frozen =
+    const RowRun frozen =
         longestRun(order_.size(), [&](std::size_t k) { return samePose(poseAt(k), poseAt(k - 1)) && row(k).q == row(k - 1).q; });
     std::optional<StuckReadings> found = judged("the readings stay", frozen);
     for (Eigen::Index joint = 0; joint < joints && !found; ++joint) {
-      const Run run = longestRun(order_.size(), [&](std::size_t k) { return row(k).q(joint) == row(k - 1).q(joint); });
-      if (isGrid(joint, run)) continue;
+      const RowRun run = longestRun(order_.size(), [&](std::size_t k) { return row(k).q(joint) == row(k - 1).q(joint); });
+      if (comeBack(order_.size(), run, [&](std::size_t k) { return row(k).q(joint); })) continue;
       found = judged(fmt::format("q{} stays at exactly {:.6g}", joint + 1, row(run.begin).q(joint)), run);
     }
     return found;
@@ -60,7 +40,7 @@ class Finder {
   const Eigen::Isometry3d& poseAt(std::size_t k) const { return samples_[order_[k]].T_near_far; }
 
   /// Whether the target is seen to move in a run; shots of one pose show it where it was.
-  bool targetMoves(const Run& run) const {
+  bool targetMoves(const RowRun& run) const {
     constexpr double kMovedPx = 5.0, kMoved = 5e-3;  // far beyond what poses come back by, in pictures and in metres
     std::size_t moved = 0;
     for (std::size_t k = run.begin + 1; k < run.end; ++k) {
@@ -81,20 +61,8 @@ class Finder {
     return 2 * moved + 1 > run.size();
   }
 
-  /// Commanded values come back; readings of a joint that moves do not.
-  bool isGrid(Eigen::Index joint, const Run& run) const {
-    std::set<double> values;
-    std::size_t others = 0;
-    for (std::size_t k = 0; k < order_.size(); ++k) {
-      if (k >= run.begin && k < run.end) continue;
-      values.insert(row(k).q(joint));
-      ++others;
-    }
-    return 4 * values.size() < 3 * others;
-  }
-
-  std::optional<StuckReadings> judged(const std::string& what, const Run& run) const {
-    if (run.size() < kFewestStuck || order_.size() - run.size() < kFewestOthers || !targetMoves(run)) return {};
+  std::optional<StuckReadings> judged(const std::string& what, const RowRun& run) const {
+    if (run.size() < kFewestStill || order_.size() - run.size() < kFewestOthers || !targetMoves(run)) return {};
     Problem others;
     for (std::size_t k = 0; k < order_.size(); ++k) {
       if (k >= run.begin && k < run.end) continue;

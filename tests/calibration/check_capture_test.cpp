@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "diagnosis/small_cell.hpp"
 #include "poecal/calibration/new_capture.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/robot/robot_file.hpp"
 #include "support/random.hpp"
 #include "support/temp_folder.hpp"
 
@@ -179,27 +181,75 @@ TEST_F(CheckCapture, AFlangeThatNeverTurnsAsksForTheRegistration) {
   EXPECT_THAT(check().items, Contains(says(CheckLevel::kError, "registration", "known.yaml")));
 }
 
-TEST_F(CheckCapture, CornersFoundEarlierTellWhatWasSeen) {
-  create();
-  fill(10);
-  std::string corners = "image,tag,corner,u,v\n";
-  for (int row = 0; row < 10; ++row) {
-    for (int corner = 0; corner < 4; ++corner) {
-      const double u = 600 + 20 * (corner == 1 || corner == 2), v = 500 - 20 * (corner > 1);
-      corners += fmt::format("images/{:04}.png,12,{},{},{}\n", row, corner, u, v);
+/// A small cell's files beside its corners, as `spoil` leaves them.
+class CheckCorners : public ::testing::Test {
+ protected:
+  CheckCorners() {
+    for (std::size_t k = 0; k < small_.samples.size(); ++k) {
+      small_.samples[k].image = fmt::format("p{:02}.png", k);
+      small_.samples[k].stamp.reset();
+      small_.samples[k].dir.resize(0);
     }
   }
-  folder_.write("capture/detections.csv", corners);
-  std::string manifest = readTextFile(file("capture.yaml"));
-  folder_.write("capture/capture.yaml", manifest + "detections: detections.csv\n");
+  CaptureCheck check() const {
+    folder_.write("robot.yaml", robotYaml(small_.nominal));
+    folder_.write("camera.yaml", cameraYaml(*small_.cell.camera));
+    folder_.write("target.yaml", targetYaml(small_.target));
+    folder_.write("samples.csv", samplesCsv({.file = {}, .samples = small_.samples, .other_columns = {}, .has_joints = true}));
+    Detections detections;
+    for (const Observation& observation : small_.observations) {
+      ImageCorners& image = detections.images.emplace_back();
+      image.image = small_.samples[observation.sample].image;
+      for (const CornerMeasurement& corner : observation.corners) image.corners.push_back({.id = corner.id, .px = corner.px});
+    }
+    folder_.write("detections.csv", detectionsCsv(detections));
+    folder_.write("capture.yaml",
+                  "format: poecal-capture/1\nname: small\nsetup: eye_to_hand\nrobot: robot.yaml\ncamera: camera.yaml\ntarget: target.yaml\n"
+                  "samples: samples.csv\ndetections: detections.csv\n");
+    return checkCapture(folder_.path());
+  }
+  test::SmallCell small_ = test::smallCell(5, 40, 0.1, {});
+  test::TempFolder folder_;
+};
+
+TEST_F(CheckCorners, WhatWasFoundEarlierTellsWhatWasSeen) {
   const CaptureCheck seen = check();
   EXPECT_EQ(seen.exitStatus(), 0);
-  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kOk, "corners", "40 corners in 10 pictures, found earlier")));
-  // One of the 24 parts of the picture, and 20 px.
+  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kOk, "corners", "160 corners in 40 pictures, found earlier")));
+  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kOk, "registration", "the readings explain the corners to")));
+  EXPECT_THAT(seen.items, Each(Field(&CheckItem::topic, Not("pictures"))));
+}
+
+TEST_F(CheckCorners, SmallTargetsInOnePlaceAreSaid) {
+  // As if the target stood a hundred times as far away, in the corner of the picture.
+  for (Observation& observation : small_.observations) {
+    for (CornerMeasurement& corner : observation.corners) corner.px = Eigen::Vector2d(300.0, 300.0) + 0.01 * corner.px;
+  }
+  const CaptureCheck seen = check();
+  // One of the 24 parts of the picture.
   EXPECT_THAT(seen.items,
               Contains(says(CheckLevel::kAdvice, "corners", "seen in 4 % of the picture: also move the target near its edges")));
-  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "20 px wide in the median picture: go nearer")));
-  EXPECT_THAT(seen.items, Each(Field(&CheckItem::topic, Not("pictures"))));
+  EXPECT_THAT(seen.items, Contains(says(CheckLevel::kAdvice, "corners", "2 px wide in the median picture: go nearer")));
+}
+
+TEST_F(CheckCorners, AStuckReadingIsToldFromAParkedJoint) {
+  for (std::size_t k = 25; k < 40; ++k) small_.samples[k].q(1) = small_.samples[25].q(1);
+  const CaptureCheck stuck = check();
+  EXPECT_EQ(stuck.exitStatus(), 3);
+  EXPECT_THAT(stuck.items, Contains(says(CheckLevel::kAdvice, "samples", "samples.csv:27: q2 stays at exactly")));
+  EXPECT_THAT(stuck.items, Contains(says(CheckLevel::kError, "registration", "samples.csv:27: q2 stays at exactly")));
+}
+
+TEST_F(CheckCorners, PicturesOfOnePlaceWithOtherReadingsAreRefused) {
+  for (std::size_t k = 4; k < 9; ++k) small_.observations[k].corners = small_.observations[3].corners;
+  const CaptureCheck doubled = check();
+  EXPECT_EQ(doubled.exitStatus(), 3);
+  EXPECT_THAT(doubled.items, Contains(says(CheckLevel::kError, "corners", "samples.csv:10: p08.png has exactly the corners of p03.png")));
+}
+
+TEST_F(CheckCorners, RoundedReadingsAreSaid) {
+  for (Sample& sample : small_.samples) sample.q = (sample.q * 100.0).array().round() / 100.0;
+  EXPECT_THAT(check().items, Contains(says(CheckLevel::kAdvice, "samples", "q1 to q6 hold multiples of 0.01 rad")));
 }
 
 TEST_F(CheckCapture, NothingIsReplaced) {

@@ -97,5 +97,45 @@ TEST(PicturesOfRows, OneFileUnderTwoNamesIsRefusedWhereTheArmMoved) {
   EXPECT_THAT(compareBytesOfPictures(capture), IsEmpty());
 }
 
+TEST(CornersOfRows, ThoseOfOnePictureUnderTwoNamesAreRefusedWhereTheArmMoved) {
+  SampleTable table{.file = "rows.csv", .samples = {}, .other_columns = {}};
+  Detections detections;
+  constexpr int kRows = 20;
+  for (int row = 0; row < kRows; ++row) {
+    Sample& sample = table.samples.emplace_back();
+    sample.line = row + 2;
+    sample.image = "p" + std::to_string(row) + ".png";
+    sample.q = Eigen::Vector2d(0.1 * row, 0.5);
+    ImageCorners& image = detections.images.emplace_back();
+    image.image = sample.image;
+    for (int corner = 0; corner < 4; ++corner) image.corners.push_back({.id = {1, corner}, .px = {10.25 * corner, 3.5 + row}});
+  }
+  EXPECT_THAT(compareCornersOfPictures(table, detections), IsEmpty());
+  for (std::size_t k = 1; k < 4; ++k) detections.images[k].corners = detections.images[0].corners;
+  EXPECT_THAT([&] { compareCornersOfPictures(table, detections); },
+              ThrowsMessage<FileError>("rows.csv:5: p3.png has exactly the corners of p0.png of line 2, but the readings differ: expected "
+                                       "one picture for each row"));
+  for (const std::size_t k : {0, 2}) detections.images[k].corners.clear();
+  EXPECT_THAT(compareCornersOfPictures(table, detections),
+              ElementsAre("rows.csv:5: p3.png has exactly the corners of p1.png of line 3, but the readings differ: expected one picture "
+                          "for each row"))
+      << "a single one is told, and the fit leaves it out";
+  table.samples[3].q = table.samples[1].q;
+  EXPECT_THAT(compareCornersOfPictures(table, detections),
+              ElementsAre("rows.csv:5: p3.png has exactly the corners of p1.png of line 3: one shot counts twice"));
+  detections.images[3].corners.clear();
+  detections.images[1].corners.clear();
+  EXPECT_THAT(compareCornersOfPictures(table, detections), IsEmpty()) << "a picture that shows nothing";
+}
+
+TEST(RemarksOnRows, RoundedReadingsAreSaidWithWhatTheyCost) {
+  test::SmallCell small = test::smallCell(21, 20, 0.1, {});
+  EXPECT_THAT(remarksOnRows("rows.csv", small.samples, &small.nominal), IsEmpty());
+  for (Sample& sample : small.samples) sample.q = (sample.q * 100.0).array().round() / 100.0;
+  EXPECT_THAT(remarksOnRows("rows.csv", small.samples, &small.nominal),
+              ElementsAre(HasSubstr("rows.csv: q1 to q6 hold multiples of 0.01 rad: rounded so, the flange is off by up to")));
+  EXPECT_THAT(remarksOnRows("rows.csv", small.samples, nullptr), IsEmpty());
+}
+
 }  // namespace
 }  // namespace poecal

@@ -1,6 +1,8 @@
 // Rows that contradict each other, or what any arm can do.
 #include "capture/row_checks.hpp"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 
 #include "capture/test_arm.hpp"
@@ -98,6 +100,18 @@ TEST_F(RowChecks, StampsThatNoClockGivesAreTold) {
   EXPECT_THAT(remarks(), ElementsAre(HasSubstr("are they milliseconds?")));
   stamp([](int row) { return 12e9 * row; });
   EXPECT_THAT(remarks(), ElementsAre(HasSubstr("are they nanoseconds?")));
+}
+
+TEST_F(RowChecks, CountersThatWrapAroundAreSaid) {
+  for (int row = 0; row < kRows; ++row) samples_[static_cast<std::size_t>(row)].q(0) = 3.0 + 0.1 * row;
+  EXPECT_THAT(turnRemarks("rows.csv", samples_, arm_), IsEmpty());
+  for (Sample& sample : samples_) sample.q(0) = std::remainder(sample.q(0), 2.0 * M_PI);
+  EXPECT_THAT(
+      turnRemarks("rows.csv", samples_, arm_),
+      ElementsAre("rows.csv:4: q1 (joint_1) is -3.08319 here and 3.1 in line 3, and but for whole turns it never leaves half a turn: "
+                  "expected readings that do not wrap around (2 pi off in some rows?)"));
+  for (int row = 0; row < kRows; ++row) samples_[static_cast<std::size_t>(row)].q(0) = 1.6 * row;
+  EXPECT_THAT(turnRemarks("rows.csv", samples_, arm_), IsEmpty()) << "a joint that turns far";
 }
 
 }  // namespace

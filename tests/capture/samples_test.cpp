@@ -126,6 +126,15 @@ TEST_F(Samples, ReadingsBeyondTheLimitsAreRefusedWithTheLikelyUnit) {
   EXPECT_THAT(errorOf(head + "b.png,0,2.0,0\n"), EndsWith("of joint_2"));
 }
 
+TEST_F(Samples, AReadingThatIsAWholeTurnAwayIsSaidToBe) {
+  const std::string head = "image,q1,q2,q3\na.png,0.3,0,0\n";
+  EXPECT_THAT(errorOf(head + "b.png,-4.4,0,0\n"),
+              EndsWith("samples.csv:3: q1 is -4.4, beyond the limits [-2, 2] of joint_1; are the readings in degrees?; 1.88319, a whole "
+                       "turn away, is within them: do the readings wrap around?"));
+  EXPECT_THAT(errorOf(head + "b.png,-3.5,0,0\n"), EndsWith("of joint_1")) << "2.78 is beyond them too";
+  EXPECT_THAT(errorOf(head + "b.png,-4.4,0,0\nc.png,9,0,0\n"), EndsWith("degrees?")) << "turns do not explain all rows";
+}
+
 TEST_F(Samples, AnArmMayPassItsLimitsALittle) {
   // 5 % of the range of joint_2, 3.56 rad, are 0.178 rad.
   const std::string head = "image,q1,q2,q3\na.png,0,0,0\n";
