@@ -617,6 +617,7 @@ class Diagnosis:
     shrinkage: Final[Shrinkage]
     findings: Final[tuple[Finding, ...]]
     possibilities: Final[tuple[Finding, ...]]
+    warnings: Final[tuple[str, ...]]
     where: Final[tuple[GapPlace, ...]]
     gap_remains: Final[bool]
     remaining_significant: Final[bool]

@@ -166,6 +166,7 @@ void bindDiagnosis(py::module_& module) {
       .result("shrinkage", &Diagnosis::shrinkage)
       .result("findings", &Diagnosis::findings)
       .result("possibilities", &Diagnosis::possibilities)
+      .result("warnings", &Diagnosis::warnings)
       .result("where", &Diagnosis::where)
       .result("gap_remains", &Diagnosis::gap_remains)
       .result("remaining_significant", &Diagnosis::remaining_significant)

@@ -53,6 +53,7 @@ void addDiagnosis(const Measurements& measurements, const CalibrateOptions& opti
     calibration.model_reason = "there is no diagnosis";
     return;
   }
+  calibration.warnings.insert(calibration.warnings.end(), calibration.diagnosis->warnings.begin(), calibration.diagnosis->warnings.end());
   keepModel(identification, calibration);
 }
 

@@ -81,6 +81,13 @@ bool Rounding::isCoarse() const {
                      [](const auto& step) { return step && step->size > kClearly * std::sqrt(12.0) * kRepeats; });
 }
 
+Eigen::VectorXd Rounding::sigmas() const {
+  return Eigen::VectorXd::NullaryExpr(static_cast<Eigen::Index>(steps.size()), [this](Eigen::Index k) {
+    const auto& step = steps[static_cast<std::size_t>(k)];
+    return step ? step->size / std::sqrt(12.0) : 0.0;
+  });
+}
+
 std::string Rounding::text() const {
   double coarsest = 0.0;
   for (const auto& step : steps) coarsest = std::max(coarsest, step ? step->size : 0.0);

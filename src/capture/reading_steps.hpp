@@ -27,6 +27,8 @@ struct Rounding {
 
   /// Whether a joint's rounding is beyond what makers state of repeatability: below it nobody sees a step.
   bool isCoarse() const;
+  /// step / sqrt(12) of each joint [rad], [m]; 0 where there is no step.
+  Eigen::VectorXd sigmas() const;
   /// "q1 to q6 are multiples of 0.01 rad: rounded so, the flange is off by up to 12 mm (3.1 mm rms)"; the coarsest joints are named.
   std::string text() const;
 };

@@ -29,6 +29,7 @@ struct MeasuredCell {
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};
   TwistPrior twists;
   Eigen::VectorXd camera_sigma;    ///< stated standard deviations of the intrinsics; empty where they are held
+  Eigen::VectorXd rounding;        ///< 1 sigma of what rounding takes from each joint's reading [rad], [m]; empty where nobody sees a step
   bool timed = true;               ///< stamps are times, and not the order of the rows
   int jobs = 1;                    ///< candidates weighed at a time; 0: one per core
   ProgressFunction progress = {};  ///< may be empty

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "capture/reading_steps.hpp"
 #include "diagnosis/found_model.hpp"
 #include "diagnosis/ladder.hpp"
 #include "diagnosis/selection.hpp"
@@ -40,6 +41,8 @@ MeasuredCell measuredCell(const Identification& identification, const Measuremen
         Eigen::Vector3d::Constant(1.0 / identification.sigma_position);
     observation.pose->whitening = weight.asDiagonal();
   }
+  const Rounding rounding = roundingOf(*measured.start.arm, measurements.samples);
+  if (rounding.isCoarse()) measured.rounding = rounding.sigmas();
   measured.groups = measurements.poseGroups();
   measured.target = measurements.target;
   measured.gravity = measurements.gravity;
@@ -246,6 +249,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       tellWhatCanBeSeen(selection, diagnosis);
       tellExplained(selection, diagnosis);
       tellModel(selection, identification, diagnosis);
+      tellContradictions(selection, diagnosis);
       tellBad(selection, measurements.observations, measurements.samples, diagnosis);
       diagnosis.possibilities = std::move(possibilities);
       return diagnosis;

@@ -70,8 +70,9 @@ MeasurementNoise ofCorners(const MeasuredCell& measured, const Linearised& linea
   MeasurementNoise noise;
   noise.source = hasRepeats(measured) ? NoiseSource::kRepeats : NoiseSource::kEstimated;
   const double numbers = linear.rows.size();
+  const double rounding = shareOf(linear, kRoundedReadings);
   noise.least = corner;
-  noise.most = corner + tag + shareOf(linear, "repeatability");
+  noise.most = corner + tag + rounding + shareOf(linear, "repeatability");
   double known_by = std::max(1.0, numbers - static_cast<double>(linear.rows.J.cols()));
   // What the arm does cannot get into the corners beside a free pose; where these are quieter, it got into the component.
   const MeanSquare free = besideFreePoses(linear);
@@ -82,6 +83,7 @@ MeasurementNoise ofCorners(const MeasuredCell& measured, const Linearised& linea
     known_by = free.numbers;
   }
   if (severalTags(linear.rows) || hasRepeats(measured)) noise.least += tag;
+  noise.least += rounding;
   noise.chance = std::sqrt(2.0 / numbers + 2.0 / known_by);
   return noise;
 }
@@ -115,7 +117,8 @@ MeasurementNoise ofPoses(const Linearised& linear, bool stated) {
   const MeanSquare repeats = amongRepeats(linear);
   constexpr double kFewest = 15.0;
   noise.chance = std::sqrt(2.0 / std::max(1.0, numbers));
-  noise.most = components + shareOf(linear, "repeatability");
+  const double rounding = shareOf(linear, kRoundedReadings);
+  noise.most = components + rounding + shareOf(linear, "repeatability");
   if (repeats.numbers >= kFewest) {
     noise.source = NoiseSource::kRepeats;
     noise.least = repeats.value;
@@ -127,6 +130,7 @@ MeasurementNoise ofPoses(const Linearised& linear, bool stated) {
   } else {
     noise.source = NoiseSource::kUnknown;
   }
+  noise.least += rounding;  // shots of one pose are rounded alike
   noise.most = std::max(noise.most, noise.least);
   return noise;
 }

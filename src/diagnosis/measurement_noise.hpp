@@ -22,9 +22,10 @@ struct MeasurementNoise {
 ///
 ///   sum |r - H H^+ r|^2 / sum (rows - 6),
 ///
-/// and what a whole tag shares where tags in one picture or repeats tell it; `most` has the joints' repeatability and that share of the
-/// tag besides. Joints that move at random by themselves are no noise of the measuring. Poses: `least` is what repeats differ by, or the
-/// stated deviations; without either it is nothing, `most` what the components of the noise come to, and the source is kUnknown.
+/// what a whole tag shares where tags in one picture or repeats tell it, and what rounding takes from the readings; `most` has the joints'
+/// repeatability and that share of the tag besides. Joints that move at random by themselves are no noise of the measuring. Poses: `least`
+/// is what repeats differ by, or the stated deviations, and that rounding; without either of them it is that alone, `most` what the
+/// components of the noise come to, and the source is kUnknown.
 /// @param stated  whether the poses' deviations were stated.
 MeasurementNoise measurementNoise(const MeasuredCell& measured, const Linearised& linear, bool stated);
 

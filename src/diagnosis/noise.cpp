@@ -133,7 +133,8 @@ struct Posterior {
   NoiseEstimate estimate;
 };
 
-/// What is believed of a variance before: joints come back to some 1e-5 rad, and farther is believed less and less.
+/// What is believed of a variance before: joints come back to some 1e-5 rad, and farther is believed less and less. Rounding is all there
+/// when readings were rounded and nothing when they were commanded so, but never more.
 struct VariancePrior {
   double penalty = 0.0;                    ///< units of log-likelihood
   double gradient = 0.0, curvature = 0.0;  ///< of the penalty by log theta
@@ -142,8 +143,9 @@ struct VariancePrior {
 VariancePrior variancePrior(const NoiseComponent& component, double theta) {
   constexpr double kUsual = 5e-5;   // [rad], as makers state it
   constexpr double kSpread = 0.35;  // of its logarithm: twice as much is two standard deviations away
-  const double above = 0.5 * std::log(theta / (kUsual * kUsual)) / kSpread;
-  if (component.name != "repeatability" || !(above > 0.0)) return {};
+  const bool rounds = component.name == kRoundedReadings;
+  const double above = 0.5 * std::log(rounds ? theta : theta / (kUsual * kUsual)) / kSpread;
+  if ((component.name != "repeatability" && !rounds) || !(above > 0.0)) return {};
   return {0.5 * above * above, 0.5 * above / kSpread, 0.25 / (kSpread * kSpread)};
 }
 
@@ -281,6 +283,11 @@ std::vector<NoiseComponent> noiseComponents(const MeasuredCell& measured, const 
   if (arm) {
     components.push_back(component(rows, "repeatability", kStartRepeatability * kStartRepeatability, true,
                                    [&measured](const ObservationRows& part) { return jointColumns(measured, part); }));
+  }
+  if (arm && measured.rounding.size() > 0) {
+    components.push_back(component(rows, kRoundedReadings, 1.0, true, [&measured](const ObservationRows& part) {
+      return Eigen::MatrixXd(part.rows.H * part.ports.joints * measured.rounding.asDiagonal());
+    }));
   }
   return components;
 }

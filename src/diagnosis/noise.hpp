@@ -23,11 +23,14 @@ constexpr double kMetresPerRadian = 0.1;
 
 /// V_i = Z_i Z_i^T of one component, for each pose (group): rows of the pose x width. Columns are what one draw of it moves.
 struct NoiseComponent {
-  std::string name;    ///< "corner", "tag", "repeatability", "rotation", "position", "scatter joint:3"
+  std::string name;    ///< "corner", "tag", "repeatability", "rounding", "rotation", "position", "scatter joint:3"
   double start = 0.0;  ///< variance to begin from
   bool white = false;  ///< Z is the identity: every row by itself
   std::vector<Eigen::MatrixXd> Z;
 };
+
+/// Of readings that were rounded, in units of what that takes from them: 1 where they were, 0 where the arm was sent to round figures.
+constexpr const char* kRoundedReadings = "rounding";
 
 /// The components of a capture: corners (px per axis, times the stated sigma), what a whole tag shares (px), and the joints' repeatability
 /// (rad; m for sliding joints a tenth of it), one for all joints; for poses rotation and position instead of the first two.

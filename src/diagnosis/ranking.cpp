@@ -204,16 +204,35 @@ class Ranker {
       ++(known ? named : curves);
       if (answer.log_bayes < 0.0) continue;
       answer.exact = exactEvidence(linear, measured_, *answer.candidate, answer.screened);
-      if (answer.candidate->isPositive()) answer.exact->log_bayes += logShareAboveZero(*answer.exact, answer.candidate->typical.size());
+      const double disbelief = answer.candidate->isPositive() ? logSharePositive(*answer.exact, *answer.candidate) : 0.0;
+      noteAgainstGravity(answer, disbelief, ranking);
+      answer.exact->log_bayes += disbelief;
       answer.log_weight += answer.exact->log_bayes - answer.log_bayes;
       answer.log_bayes = answer.exact->log_bayes;
     }
   }
 
-  /// Log of what belief in sizes above zero alone does to the evidence: twice the share of the posterior that lies there.
-  static double logShareAboveZero(const ExactEvidence& exact, Eigen::Index columns) {
-    const Eigen::Index i = exact.noise.b.size() - columns;
-    const double sigma = std::sqrt(std::max(exact.noise.covariance(i, i), 1e-300)), z = exact.noise.b(i) / sigma;
+  static void noteAgainstGravity(const RankedAnswer& answer, double disbelief, Ranking& ranking) {
+    constexpr double kBeyondDoubt = -10.0;
+    const double weight = answer.log_weight + answer.exact->log_bayes - answer.log_bayes;
+    if (disbelief > kBeyondDoubt || (ranking.against_gravity && ranking.against_gravity->log_weight >= weight)) return;
+    ranking.against_gravity = AgainstGravity{answer.name, answer.place, weight, disbelief};
+  }
+
+  /// Log of what belief in sizes above zero alone does to the evidence. A link's two compliances are the sum and the difference of its two
+  /// parameters.
+  static double logSharePositive(const ExactEvidence& exact, const Candidate& candidate) {
+    const Eigen::Index count = candidate.typical.size();
+    if (candidate.own() < 2) return logShareAboveZero(exact, count, Eigen::VectorXd::Ones(1));
+    return std::min(logShareAboveZero(exact, count, Eigen::Vector2d(1.0, 1.0)),
+                    logShareAboveZero(exact, count, Eigen::Vector2d(1.0, -1.0)));
+  }
+
+  /// The same of one size: twice the share of the posterior that lies there. @param direction  of the candidate's first factors.
+  static double logShareAboveZero(const ExactEvidence& exact, Eigen::Index columns, const Eigen::VectorXd& direction) {
+    const Eigen::Index i = exact.noise.b.size() - columns, n = direction.size();
+    const double variance = direction.dot(exact.noise.covariance.block(i, i, n, n) * direction);
+    const double sigma = std::sqrt(std::max(variance, 1e-300)), z = direction.dot(exact.noise.b.segment(i, n)) / sigma;
     // Beyond that erfc is nothing: its asymptote.
     if (z < -30.0) return -0.5 * z * z - std::log(-z) + 0.5 * std::log(2.0 / M_PI);
     return std::log(std::erfc(-z / std::sqrt(2.0)));

@@ -24,11 +24,20 @@ struct RankedAnswer {
   std::optional<ExactEvidence> exact = {};
 };
 
+/// What yields to gravity where its size comes out below zero: nothing does, unless gravity points the other way than it was said to.
+struct AgainstGravity {
+  std::string name;
+  Place place;
+  double log_weight = 0.0;  ///< were that sign allowed
+  double disbelief = 0.0;   ///< how much of it the sign takes away; below zero
+};
+
 /// All answers, best first, with what the others are worth.
 struct Ranking {
   std::vector<RankedAnswer> answers;
-  double log_total = 0.0;          ///< log of the sum of all weights against none
-  std::vector<Evidence> screened;  ///< of the candidates, in their order
+  double log_total = 0.0;                              ///< log of the sum of all weights against none
+  std::vector<Evidence> screened;                      ///< of the candidates, in their order
+  std::optional<AgainstGravity> against_gravity = {};  ///< the best of its kind
 
   /// Sets log_total.
   void sumUp();

@@ -153,6 +153,20 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order) {
   return diagnosis;
 }
 
+void tellContradictions(const Selection& selection, Diagnosis& diagnosis) {
+  const Ranking& first = selection.base_ranking;
+  const std::optional<AgainstGravity>& against = first.against_gravity;
+  // Whatever else was found in its place, it would have stood before it, or beside it.
+  constexpr double kBeside = 3.0;
+  const double found = first.answers.empty() ? 0.0 : std::max(0.0, first.answers.front().log_weight);
+  if (!against || against->log_weight < found - kBeside) return;
+  const Eigen::Vector3d& g = selection.measured.gravity;
+  diagnosis.warnings.push_back(fmt::format(
+      "{} at {} would explain the gap, but with a size below zero: it fits to gravity the other way round than gravity: [{:.6g}, "
+      "{:.6g}, {:.6g}], expected gravity in base, which points down (or a spring pulls there that no mass of the robot file tells)",
+      against->name, against->place.name(), g.x(), g.y(), g.z()));
+}
+
 void tellWhatCanBeSeen(const Selection& selection, Diagnosis& diagnosis) {
   diagnosis.not_testable = selection.not_testable;
   const auto is_found = [&selection](const std::pair<std::string, Place>& name) {

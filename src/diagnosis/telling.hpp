@@ -14,6 +14,9 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order);
 
 void tellNoise(const Selection& selection, Diagnosis& diagnosis);
 
+/// Whether gravity is stated the other way round than what yields to it tells.
+void tellContradictions(const Selection& selection, Diagnosis& diagnosis);
+
 /// Places and drivers at which the identified model leaves structure, by the noise that remains at the end.
 void tellWhere(const Selection& selection, Diagnosis& diagnosis);
 

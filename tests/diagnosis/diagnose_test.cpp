@@ -1,5 +1,7 @@
 #include "poecal/diagnosis/diagnose.hpp"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -57,6 +59,47 @@ INSTANTIATE_TEST_SUITE_P(
                       Cause{"Stretch", {"target_anisotropy", "target.shape", {{"stretch", 0.004}}}, "stretch"},
                       Cause{"CameraSlip", {"camera_slip", "camera.mount", {{"time", 905.0}, {"rx", 4e-4}, {"ty", 4e-4}}}, "rx"}),
     [](const auto& instance) { return std::string(instance.param.name); });
+
+/// Readings as a logger with two decimals writes them.
+Eigen::VectorXd twoDecimals(const Eigen::VectorXd& q) { return (100.0 * q).array().round() / 100.0; }
+
+TEST(Diagnose, ReadingsThatWereRoundedAreNoiseAndNoEffect) {
+  test::SmallCell small = test::smallCell(8, kPoses, kSigma, {});
+  double squares = 0.0, corners = 0.0;
+  for (Observation& observation : small.observations) {
+    Sample& sample = small.samples[observation.sample];
+    Sample rounded = sample;
+    rounded.q = twoDecimals(sample.q);
+    const Disturbance none = Disturbance::zero(small.cell, small.target.points.size());
+    const auto stands = disturbedCorners(small.cell, sample, small.target.points, none);
+    const auto read = disturbedCorners(small.cell, rounded, small.target.points, none);
+    for (std::size_t j = 0; j < stands.size(); ++j) squares += (*read[j] - *stands[j]).squaredNorm();
+    corners += static_cast<double>(stands.size());
+    sample.q = observation.q = rounded.q;
+  }
+  const Diagnosis diagnosis = small.diagnosis();
+  EXPECT_THAT(diagnosis.findings, IsEmpty());
+  EXPECT_FALSE(diagnosis.gap_remains);
+  // 360 draws beside 36 unknowns: known to 4 %, four times that.
+  EXPECT_NEAR(diagnosis.noise_rms / std::sqrt(squares / corners), 1.0, 0.16);
+  EXPECT_NEAR(diagnosis.noise_sigma, kSigma, 0.1 * kSigma) << "of the corners, beside it";
+}
+
+TEST(Diagnose, RoundFiguresThatWereCommandedAreNoNoise) {
+  test::SmallCell small = test::smallCell(9, kPoses, kSigma, {});
+  for (Observation& observation : small.observations) {
+    Sample& sample = small.samples[observation.sample];
+    sample.q = observation.q = twoDecimals(sample.q);
+  }
+  test::observeWith(
+      small, 2, [](const Eigen::VectorXd& q) { return 2e-3 * q(2); }, kSigma);
+  const Diagnosis diagnosis = small.diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1));
+  EXPECT_EQ(diagnosis.findings.front().effect, "joint_gain");
+  EXPECT_EQ(diagnosis.findings.front().location, "joint:3");
+  EXPECT_NEAR(diagnosis.findings.front().parameters.at("gain"), 2e-3, 4.0 * diagnosis.findings.front().standard_deviation.at("gain"));
+  EXPECT_NEAR(diagnosis.noise_rms, std::sqrt(2.0) * kSigma, 0.1 * kSigma);
+}
 
 TEST(Diagnose, TagOfAnotherSizeIsSwallowedByLinksThatNoToleranceAllows) {
   const Diagnosis diagnosis = test::smallCell(3, kPoses, kSigma, {{"target_scale", "target.shape", {{"scale", 0.03}}}}).diagnosis();
@@ -160,6 +203,25 @@ TEST(Diagnose, PosesThatAnEffectThrewFarComeBack) {
   ASSERT_THAT(diagnosis.findings, SizeIs(1));
   EXPECT_EQ(diagnosis.findings.front().effect, "lens_distortion");
   EXPECT_THAT(diagnosis.bad_samples, IsEmpty());
+}
+
+TEST(Diagnose, GravityThatPointsUpIsSaidAndNoLinkBendsAgainstIt) {
+  const test::SmallCell small = test::smallCell(
+      12, kPoses, kSigma, {{"joint_compliance", "joint:2", {{"compliance", 4e-5}}}, {"link_bending", "link:3", {{"compliance", 2e-5}}}});
+  Cell stated = small.cell;
+  stated.arm = small.nominal;
+  Measurements measured = small.measurements();
+  const auto yields = [](const Finding& finding) {
+    return finding.effect != kUnknownEffect && effectKind(finding.effect).yields_to_gravity;
+  };
+  const Diagnosis down = diagnose(identify(stated, measured), measured);
+  EXPECT_THAT(down.warnings, IsEmpty());
+  EXPECT_TRUE(std::any_of(down.findings.begin(), down.findings.end(), yields));
+  measured.gravity = -measured.gravity;
+  const Diagnosis up = diagnose(identify(stated, measured), measured);
+  ASSERT_THAT(up.warnings, SizeIs(1));
+  EXPECT_THAT(up.warnings.front(), HasSubstr("it fits to gravity the other way round than gravity: [-0, -0, 9.80665]"));
+  EXPECT_TRUE(std::none_of(up.findings.begin(), up.findings.end(), yields));
 }
 
 TEST(Diagnose, OneSidedPlayIsNotTestableAndSaysWhy) {

@@ -140,9 +140,10 @@ struct Diagnosis {
   std::vector<Detectable> detectable;
   std::vector<NotTestable> not_testable;
   std::vector<BadSample> bad_samples;
-  std::vector<AxisMove> axis_moves;  ///< of the twists, when the findings entered
-  std::vector<Explained> explained;  ///< every answer that was weighed, best first, nothing found yet
-  Model model;                       ///< with the effects
+  std::vector<std::string> warnings;  ///< what in the input contradicts what was found, one sentence each
+  std::vector<AxisMove> axis_moves;   ///< of the twists, when the findings entered
+  std::vector<Explained> explained;   ///< every answer that was weighed, best first, nothing found yet
+  Model model;                        ///< with the effects
 
   /// Whether there is nothing to say: no finding, and neither structure nor a gap that one is missing for.
   bool isClean() const { return findings.empty() && !remaining_significant && !gap_remains; }
