@@ -55,9 +55,7 @@ void sayCamera(const Camera& camera, CheckList& list) {
   const double view = 2.0 * std::atan(0.5 * camera.width / camera.fx) * 180.0 / std::numbers::pi;
   const std::string text =
       fmt::format("{} x {} px, {}, sees about {:.0f} degrees across", camera.width, camera.height, distortionModelName(camera.model), view);
-  const bool centred = camera.cx > 0.0 && camera.cx < camera.width && camera.cy > 0.0 && camera.cy < camera.height;
-  list.add(centred ? CheckLevel::kOk : CheckLevel::kAdvice, "camera",
-           centred ? text : fmt::format("{}; its principal point ({:.0f}, {:.0f}) px is outside the picture", text, camera.cx, camera.cy));
+  list.add(CheckLevel::kOk, "camera", text);
   if (camera.standard_deviation.size() == 0) {
     list.add(CheckLevel::kAdvice, "camera", "no standard_deviation of the lens: it is taken as exact. poecal intrinsics states it");
   }

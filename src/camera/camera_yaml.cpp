@@ -162,6 +162,44 @@ Eigen::VectorXd parseStandardDeviation(const YamlNode& node, const Camera& camer
   return deviations;
 }
 
+/// How far a principal point is from the middle of a picture, as a share of its sides: the larger of both.
+double shareFromMiddle(const Camera& camera, double width, double height) {
+  return std::max(std::abs(camera.cx - 0.5 * (width - 1.0)) / width, std::abs(camera.cy - 0.5 * (height - 1.0)) / height);
+}
+
+/// A size and a principal point that are not of one picture. Of a model it may be what a fit made of it; of a lens's own file it is a
+/// mistake.
+void judgePrincipalPoint(const YamlNode& numbers, Camera& camera) {
+  if (camera.width == 0 || camera.height == 0) return;
+  constexpr double kMiddle = 0.05;  // where lenses are mounted; a sensor's side is cut by no more than some hundredths
+  constexpr double kAside = 0.1;
+  constexpr double kOutside = 0.5, kFarOutside = 1.5;
+  const double stated = shareFromMiddle(camera, camera.width, camera.height), turned = shareFromMiddle(camera, camera.height, camera.width);
+  if (stated > kAside && turned < kMiddle) {
+    numbers.fail(
+        fmt::format("the principal point ({:.6g}, {:.6g}) is the middle of a picture of {} x {} px, not of {} x {}: expected a lens and a "
+                    "picture size of one camera; are width and height exchanged?",
+                    camera.cx, camera.cy, camera.height, camera.width, camera.width, camera.height));
+  }
+  if (stated > kFarOutside) {
+    numbers.fail(
+        fmt::format("the principal point ({:.6g}, {:.6g}) is far outside of the picture of {} x {} px, expected it near the middle",
+                    camera.cx, camera.cy, camera.width, camera.height));
+  }
+  if (stated <= kOutside) return;
+  camera.remarks.push_back(
+      fmt::format("its principal point ({:.0f}, {:.0f}) px is outside the picture of {} x {} px, expected it near the middle", camera.cx,
+                  camera.cy, camera.width, camera.height));
+}
+
+Camera readFrom(const std::filesystem::path& file, SizeKeys size) {
+  const YamlNode root = YamlNode::load(file);
+  Camera camera = parseCamera(root, size);
+  const YamlNode matrix = findCameraKeys(root).camera_matrix;
+  judgePrincipalPoint(matrix.isMap() ? matrix["data"] : matrix, camera);
+  return camera;
+}
+
 /// Lines of a matrix entry.
 std::string matrixYaml(const char* key, int rows, int cols, const Eigen::VectorXd& data, const std::string& margin) {
   return fmt::format("{0}{1}:\n{0}  rows: {2}\n{0}  cols: {3}\n{0}  data: {4}\n", margin, key, rows, cols, yamlVector(data));
@@ -212,9 +250,9 @@ std::string cameraYamlBlock(const Camera& camera, int indent) {
   return text;
 }
 
-Camera readCamera(const std::filesystem::path& file) { return parseCamera(YamlNode::load(file)); }
+Camera readCamera(const std::filesystem::path& file) { return readFrom(file, SizeKeys::kNeeded); }
 
-Camera readCameraOfPictures(const std::filesystem::path& file) { return parseCamera(YamlNode::load(file), SizeKeys::kMayBeMissing); }
+Camera readCameraOfPictures(const std::filesystem::path& file) { return readFrom(file, SizeKeys::kMayBeMissing); }
 
 std::string cameraYaml(const Camera& camera) { return cameraYamlBlock(camera, 0); }
 

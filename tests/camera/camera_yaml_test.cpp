@@ -227,6 +227,15 @@ TEST(CameraYaml, WhatIsNotKeptIsSaid) {
               ElementsAre(HasSubstr("a fisheye's need distortion_model: equidistant"), "not read: rms"));
 }
 
+TEST(CameraYaml, APrincipalPointOutsideThePictureIsSaid) {
+  const test::TempFolder folder;
+  EXPECT_THAT(readCamera(folder.write("camera.yaml", kRosYaml)).remarks, IsEmpty());
+  EXPECT_THAT(readCamera(folder.write("camera.yaml", edited("342.37, 0.0, 536.02", "700, 0.0, 536.02"))).remarks,
+              ElementsAre("its principal point (700, 236) px is outside the picture of 640 x 480 px, expected it near the middle"));
+  EXPECT_THAT(readCamera(folder.write("camera.yaml", edited("342.37, 0.0, 536.02", "200, 0.0, 536.02"))).remarks, IsEmpty())
+      << "cut from a larger picture";
+}
+
 struct BadFile {
   const char* from;
   const char* to;
@@ -245,6 +254,12 @@ INSTANTIATE_TEST_SUITE_P(
     Files, CameraYamlErrors,
     testing::Values(
         BadFile{"image_width: 640", "image_width: 0", "camera.yaml:1: image_width: is 0, expected a positive number of pixels"},
+        BadFile{
+            "image_width: 640\nimage_height: 480", "image_width: 480\nimage_height: 640",
+            "camera.yaml:7: camera_matrix.data: the principal point (342.37, 235.54) is the middle of a picture of 640 x 480 px, not of "
+            "480 x 640: expected a lens and a picture size of one camera; are width and height exchanged?"},
+        BadFile{"342.37, 0.0, 536.02", "3423.7, 0.0, 536.02",
+                "camera.yaml:7: camera_matrix.data: the principal point (3423.7, 235.54) is far outside of the picture of 640 x 480 px"},
         BadFile{"image_height: 480\n", "", "key 'image_height' is missing"},
         BadFile{"camera_name", "kamera_name", "camera.yaml:3: unknown key 'kamera_name'"},
         BadFile{

@@ -61,7 +61,9 @@ std::optional<Eigen::Vector3d> unproject(const Camera& camera, const Eigen::Vect
 /// named, or the smallest that has all coefficients that are not zero. A skew that moves the picture's top against its bottom by less
 /// than 1 px is dropped with a remark.
 /// @throws FileError: missing keys, unknown keys beside a distortion_model, an unknown model, another number of coefficients, a tilted
-/// sensor (tau_x, tau_y), a larger skew, focal lengths or a size that is not positive, a cropped or binned picture, several cameras.
+/// sensor (tau_x, tau_y), a larger skew, focal lengths or a size that is not positive, a cropped or binned picture, several cameras, a
+/// principal point that is the middle of a picture with width and height exchanged or lies beyond its middle by 1.5 of its sides (one that
+/// lies outside of it is a remark).
 Camera readCamera(const std::filesystem::path& file);
 /// readCamera() for pictures at hand: K and D alone give a camera of 0 x 0 pixels, whose size is the pictures'.
 Camera readCameraOfPictures(const std::filesystem::path& file);
