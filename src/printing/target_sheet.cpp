@@ -67,7 +67,22 @@ Paper paperNamed(const std::string& name) {
   return {name, 1e-3 * width, 1e-3 * height};
 }
 
+std::string tooSmallToPrint(const Target& target) {
+  const auto judge = [](const std::string& part, double edge) {
+    return edge > 0.0 && edge < kLeastPrinted
+               ? fmt::format("{} of {} cannot be printed, expected {} or more; is its size in metres?", part, mm(edge), mm(kLeastPrinted))
+               : "";
+  };
+  for (const TargetTag& tag : target.tags) {
+    const std::string small = judge(fmt::format("tag {}", tag.id), tag.size);
+    if (!small.empty()) return small;
+  }
+  const std::string marker = judge("a marker", target.marker);
+  return marker.empty() ? judge("a square", target.square) : marker;
+}
+
 TargetSheet drawTargetSheet(const Target& target, const Paper& paper) {
+  if (const std::string small = tooSmallToPrint(target); !small.empty()) throw InvalidArgument(small);
   std::vector<DrawnPage> drawn;
   for (InkedPlane& plane : inkedPlanes(target)) {
     SheetPage page = layOut(plane, paper);

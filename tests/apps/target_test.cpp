@@ -52,6 +52,14 @@ TEST_F(TargetCommand, AnInputIsNotReplaced) {
   EXPECT_THAT(result.err, HasSubstr("tag.yaml"));
 }
 
+TEST_F(TargetCommand, AFileOfATagThatNobodyCanPrintIsRefused) {
+  folder_.write("tiny.yaml", "type: apriltag\nfamily: tag36h11\ntags:\n  - {id: 7, size: 0.0001}\n");
+  const test::ProgramRun result = run("--file tiny.yaml --out tag");
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("tiny.yaml: tag 7 of 0.1 mm cannot be printed, expected 2 mm or more"));
+  EXPECT_FALSE(fs::exists(path("tag")));
+}
+
 TEST_F(TargetCommand, WhatIsMissingOrTooLargeIsSaid) {
   const auto expectRefused = [this](const std::string& options, int status, const std::string& message) {
     const test::ProgramRun result = run(options + " --out tag");

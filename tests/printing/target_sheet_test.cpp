@@ -185,6 +185,18 @@ TEST(TargetSheet, AThingTooLargeNamesThePaperThatHoldsIt) {
   }
 }
 
+TEST(TargetSheet, AThingTooSmallForAnyPrinterIsRefused) {
+  const auto small = [](const Target& target) { return [&target] { drawTargetSheet(target, paperNamed("a4")); }; };
+  const Target tags = apriltagTarget(
+      "tag36h11",
+      {{.id = 7, .size = 0.08}, {.id = 8, .size = 1e-4, .T_target_tag = Eigen::Isometry3d(Eigen::Translation3d(0.1, 0.0, 0.0))}});
+  EXPECT_THAT(small(tags),
+              ThrowsMessage<InvalidArgument>("tag 8 of 0.1 mm cannot be printed, expected 2 mm or more; is its size in metres?"));
+  const Target board = chessboardTarget(7, 5, 1.5e-3);
+  EXPECT_THAT(small(board), ThrowsMessage<InvalidArgument>(HasSubstr("a square of 1.5 mm cannot be printed")));
+  EXPECT_EQ(tooSmallToPrint(chessboardTarget(7, 5, 2e-3)), "");
+}
+
 TEST(TargetSheet, SinglePointsCannotBePrinted) {
   EXPECT_THAT(
       [] {

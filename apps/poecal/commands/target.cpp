@@ -55,7 +55,11 @@ void requireOptions(const CLI::App& app, const std::string& type) {
 
 Target targetOf(const CLI::App& app, const TargetOptions& options) {
   if (options.type.empty() == options.file.empty()) throw InvalidArgument("target needs --type or --file");
-  if (!options.file.empty()) return readTarget(options.file);
+  if (!options.file.empty()) {
+    Target target = readTarget(options.file);
+    if (const std::string small = tooSmallToPrint(target); !small.empty()) throw FileError(options.file, 0, small);
+    return target;
+  }
   requireOptions(app, options.type);
   if (options.type == "apriltag") return apriltagTarget(options.family, {{.id = options.id, .size = options.size}});
   if (options.type == "aprilgrid") {
@@ -116,9 +120,9 @@ Example:
 }  // namespace
 
 std::function<int()> setUpTarget(CLI::App& app, const Common& common) {
-  constexpr double kLeastEdge = 2e-3, kLargestEdge = 3.0;  // [m] below, a printer's dots make the cells; above, no paper holds it
-  constexpr double kLeastGap = 0.05, kLargestGap = 5.0;    // below, borders run into each other
-  const CLI::Validator printable = numberFrom(kLeastEdge, kLargestEdge, "m");
+  constexpr double kLargestEdge = 3.0;                   // [m] no paper holds it
+  constexpr double kLeastGap = 0.05, kLargestGap = 5.0;  // below, borders run into each other
+  const CLI::Validator printable = numberFrom(kLeastPrinted, kLargestEdge, "m");
   const auto options = std::make_shared<TargetOptions>();
   app.add_option("--type", options->type, "apriltag, aprilgrid, charuco or chessboard");
   app.add_option("--file", options->file, "Print this target.yaml instead")->option_text("target.yaml");

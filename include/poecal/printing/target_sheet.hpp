@@ -37,9 +37,15 @@ struct TargetSheet {
   std::vector<SheetPage> pages;  ///< one; where tags lie in several planes one for each tag
 };
 
+constexpr double kLeastPrinted = 2e-3;  ///< edge of a tag, square or marker [m]: below, a printer's dots make the cells
+
+/// Why a target's smallest tag, square or marker is less than kLeastPrinted; empty where none is.
+std::string tooSmallToPrint(const Target& target);
+
 /// Draws a target in its size, black on white, with the white margin that its detector needs, two rulers and how to use them. The same
 /// target and paper give the same bytes.
-/// @throws InvalidArgument: a target of single points, or one that is larger than the paper; the message names paper that is large enough.
+/// @throws InvalidArgument: a target of single points, one that is too small to be printed, or one that is larger than the paper; the
+/// message names paper that is large enough.
 TargetSheet drawTargetSheet(const Target& target, const Paper& paper);
 
 }  // namespace poecal
