@@ -36,11 +36,13 @@ std::optional<Observation> shifted(const Observation& observation, const Reading
   return other;
 }
 
-Problem shiftedProblem(const Problem& few, const ReadingsOfSamples& readings, int shift) {
+/// @param shift_of  of the row of a sample.
+template <typename ShiftOf>
+Problem shiftedBy(const Problem& few, const ReadingsOfSamples& readings, const ShiftOf& shift_of) {
   Problem problem;
   problem.cell = few.cell;
   for (std::size_t k = 0; k < few.observations.size(); ++k) {
-    std::optional<Observation> other = shifted(few.observations[k], readings, shift);
+    std::optional<Observation> other = shifted(few.observations[k], readings, shift_of(few.observations[k].sample));
     if (!other) continue;
     problem.samples.push_back(few.samples[k]);
     problem.samples.back().observation = problem.observations.size();
@@ -48,6 +50,10 @@ Problem shiftedProblem(const Problem& few, const ReadingsOfSamples& readings, in
   }
   renewPoses(problem);
   return problem;
+}
+
+Problem shiftedProblem(const Problem& few, const ReadingsOfSamples& readings, int shift) {
+  return shiftedBy(few, readings, [shift](std::size_t) { return shift; });
 }
 
 /// The registration of the shift that fits best.
@@ -109,6 +115,64 @@ std::string describe(const std::vector<int>& shifts, std::size_t first_wrong) {
   return text;
 }
 
+/// Shifts of the rows with even and with odd numbers.
+struct Alternation {
+  int even = 0, odd = 0;
+  int of(std::size_t sample) const { return sample % 2 == 0 ? even : odd; }
+};
+
+std::string describe(const Alternation& shifts) {
+  if (shifts.even != 0 && shifts.odd != 0) {
+    return fmt::format("the rows look shifted by {} and by {} in turn against the pictures (neighbours exchanged?)", shifts.even,
+                       shifts.odd);
+  }
+  const int shift = shifts.even != 0 ? shifts.even : shifts.odd;
+  return fmt::format("every second row looks shifted by {} against the pictures, the {}", countText(shift),
+                     shift > 0 ? "reading stands before its picture" : "reading stands after its picture");
+}
+
+/// Rows that are mispaired in turn, which no sequence of few changes follows.
+std::optional<MispairedRows> findAlternation(const Cell& cell, const std::vector<Observation>& observations,
+                                             const std::vector<HypothesisSample>& samples, const Problem& few,
+                                             const ReadingsOfSamples& readings) {
+  constexpr int kNear = 2;
+  constexpr double kMostOfHalf = 0.65;  // of all rows: half of them stand right, and some more by chance
+  std::vector<std::pair<double, Alternation>> order;
+  for (int even = -kNear; even <= kNear; ++even) {
+    for (int odd = -kNear; odd <= kNear; ++odd) {
+      if (even == odd) continue;
+      const Alternation shifts{even, odd};
+      order.emplace_back(quickMisfit(shiftedBy(few, readings, [&shifts](std::size_t sample) { return shifts.of(sample); })), shifts);
+    }
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const Misfit misfit = misfitIn(cell, observations);
+  std::optional<MispairedRows> best;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Alternation& shifts = order[i].second;
+    if (!std::isfinite(order[i].first)) continue;
+    const auto found = solve(shiftedBy(few, readings, [&shifts](std::size_t sample) { return shifts.of(sample); }), 2);
+    if (!found || (best && !(found->misfit < best->misfit))) continue;
+    const double limit = kFits * found->misfit + 1e-9;
+    double judged = 0.0, as_they_stand = 0.0, with_shifts = 0.0;
+    std::optional<std::size_t> first;
+    for (std::size_t k = 0; k < observations.size(); ++k) {
+      const int shift = shifts.of(observations[k].sample);
+      const std::optional<Observation> other = shifted(observations[k], readings, shift);
+      if (!other) continue;
+      if (shift != 0 && !first) first = observations[k].sample;
+      judged += 1.0;
+      HypothesisSample sample = samples[k];
+      as_they_stand += misfit(found->fit.cell.registration, sample) <= limit;
+      sample.T_near_far = nearFar(cell, *other);
+      with_shifts += misfit(found->fit.cell.registration, sample) <= limit;
+    }
+    if (judged < 8.0 || with_shifts < kMostPictures * judged || as_they_stand > kMostOfHalf * judged) continue;
+    best = MispairedRows{describe(shifts), first, found->misfit};
+  }
+  return best;
+}
+
 }  // namespace
 
 std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vector<Observation>& observations,
@@ -116,7 +180,7 @@ std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vect
   ReadingsOfSamples readings;
   for (const Observation& observation : observations) readings[observation.sample] = &observation;
   const std::optional<Consensus> best = bestOfShifts(few, readings);
-  if (!best) return std::nullopt;
+  if (!best) return findAlternation(cell, observations, samples, few, readings);
   const Misfit misfit = misfitIn(cell, observations);
   const std::size_t stride = (observations.size() + kFollowed - 1) / kFollowed;
   ShiftMisfits misfits;
@@ -147,8 +211,10 @@ std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vect
     left.push_back(moved);
   }
   const auto wrong = std::find_if(shifts.begin(), shifts.end(), [](int s) { return s != 0; });
-  if (wrong == shifts.end() || judged < 6.0 || with_shifts < kMostPictures * judged) return std::nullopt;
-  if (with_shifts - as_they_stand < std::max(3.0, 0.15 * judged)) return std::nullopt;
+  if (wrong == shifts.end() || judged < 6.0 || with_shifts < kMostPictures * judged ||
+      with_shifts - as_they_stand < std::max(3.0, 0.15 * judged)) {
+    return findAlternation(cell, observations, samples, few, readings);
+  }
   const auto first = static_cast<std::size_t>(wrong - shifts.begin());
   MispairedRows rows{describe(shifts, first), std::nullopt, median(left)};
   if (first > 0) rows.sample = observations[followed[first]].sample;

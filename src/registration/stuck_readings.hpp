@@ -16,8 +16,8 @@ struct StuckReadings {
   double misfit = 0.0, others = 0.0;  ///< medians of what these rows leave, and of what the others do
 };
 
-/// The rows in a run of equal readings that a registration of all other rows contradicts. Whoever commands a joint to stand still has
-/// such rows too, and they fit.
+/// The rows in a run of equal readings, or the many that repeat the row before them, that a registration of all other rows contradicts.
+/// Whoever commands a joint to stand still has such rows too, and they fit.
 std::optional<StuckReadings> findStuckReadings(const Cell& cell, const std::vector<Observation>& observations,
                                                const std::vector<HypothesisSample>& samples);
 

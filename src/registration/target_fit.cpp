@@ -11,6 +11,7 @@
 
 #include "poecal/core/statistics.hpp"
 #include "registration/mistakes.hpp"
+#include "registration/one_tag.hpp"
 #include "registration/target_fit.hpp"
 
 namespace poecal {
@@ -147,6 +148,42 @@ double freeOrNone(const std::vector<Observation>& observations, const std::vecto
   return 4 * posed <= 3 * seen ? std::numeric_limits<double>::infinity() : freeMisfit(samples);
 }
 
+/// Corners of a board without tags, all of them seen, by their numbers.
+std::map<int, Eigen::Vector3d> boardCorners(const std::vector<Observation>& observations) {
+  std::map<int, Eigen::Vector3d> corners;
+  for (const Observation& observation : observations) {
+    for (const CornerMeasurement& corner : observation.corners) {
+      if (corner.id.tag < 0) corners[corner.id.corner] = corner.p_target;
+    }
+  }
+  return corners;
+}
+
+/// A board whose corners were counted over as many columns as it has rows: with columns and rows exchanged in its file.
+void requireGridFits(const Cell& cell, const std::vector<Observation>& observations) {
+  const std::map<int, Eigen::Vector3d> stated = boardCorners(observations);
+  const std::optional<std::map<int, Eigen::Vector3d>> other = gridTheOtherWay(stated);
+  if (!other) return;
+  Problem few;
+  few.cell = cell;
+  const std::size_t rows = std::min(kRows, observations.size());
+  for (std::size_t i = 0; i < rows; ++i) few.observations.push_back(observations[i * observations.size() / rows]);
+  renewPictures(few);
+  Problem altered = few;
+  for (Observation& observation : altered.observations) {
+    for (CornerMeasurement& corner : observation.corners) corner.p_target = other->at(corner.id.corner);
+  }
+  renewPictures(altered);
+  const double as_stated = freeOrNone(few.observations, few.samples), exchanged = freeOrNone(altered.observations, altered.samples);
+  const double usual = std::max(kPixels, kShareOfExtent * extentInPictures(observations));
+  if (!(exchanged <= kMends * as_stated) || !(exchanged <= kUsual * usual)) return;
+  throw ImplausibleCapture(
+      fmt::format("the board's columns and rows look exchanged (so, with a pose of its own in each picture it fits to {:.3g} px instead of "
+                  "{})",
+                  exchanged, std::isfinite(as_stated) ? fmt::format("{:.3g} px", as_stated) : "not at all"),
+      InputPart::kTarget);
+}
+
 struct BetterTarget {
   std::string text;
   InputPart part = InputPart::kTarget;
@@ -223,6 +260,8 @@ std::vector<Mistake> layoutMistakes(const Problem& problem, const std::vector<Ob
 
 void requireTargetFits(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples) {
   if (observations.size() < 4 || observations.front().pose) return;
+  requireEachTagFits(cell, observations);
+  requireGridFits(cell, observations);
   const double free = freeOrNone(observations, samples), extent = extentInPictures(observations);
   const double usual = std::max(kPixels, kShareOfExtent * extent);
   if (free <= usual) return;

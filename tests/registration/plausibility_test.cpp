@@ -19,6 +19,7 @@ using test::Readings;
 using test::Said;
 using test::said;
 using test::View;
+using test::withGrid;
 using ::testing::HasSubstr;
 
 TEST(Plausibility, LooseArmsAndFewPicturesPass) {
@@ -95,6 +96,89 @@ TEST(Plausibility, ABoardThatIsStatedWronglyIsNamed) {
   // No single change mends it.
   const auto scattered = [](int tag) { return Eigen::Vector2d(0.08 * std::sin(7.0 * tag), 0.08 * std::cos(5.0 * tag)); };
   EXPECT_THAT(said(restated(few, scattered)).message, HasSubstr("no pose of this target shows the corners as the pictures do"));
+}
+
+/// Four tags in a square, of which one is not as the file says: as if its corners were seen where `seen` puts them.
+MadeCapture withFourTags(const MadeCapture& capture, int tag, const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& seen) {
+  MadeCapture board = withGrid(capture, 2, 2, 0.07);
+  for (std::size_t k = 0; k < board.observations.size(); ++k) {
+    const Eigen::Isometry3d T = capture.truth.registration.cameraTarget(forwardKinematics(*capture.truth.arm, capture.observations[k].q));
+    for (CornerMeasurement& corner : board.observations[k].corners) {
+      if (corner.id.tag == tag) corner.px += *project(*capture.truth.camera, T * seen(corner.p_target)) - corner.px;
+    }
+  }
+  return board;
+}
+
+TEST(Plausibility, OneTagOfSeveralThatIsNotAsStatedIsNamed) {
+  Rng rng = test::rngOfThisTest();
+  const Eigen::Vector3d middle(0.035, -0.035, 0.0);  // of tag 1
+  for (const CaptureKind& kind : {CaptureKind{"elbow"}, CaptureKind{"seven", Setup::kEyeInHand}}) {
+    const MadeCapture good = makeCapture(kind, rng);
+    const auto message = [&](const auto& seen) { return said(withFourTags(good, 1, seen)).message; };
+    EXPECT_FALSE(said(withFourTags(good, 1, [](const Eigen::Vector3d& p) { return p; })).refused) << nameOf(kind);
+    EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return middle + 1.12 * (p - middle); }),
+                HasSubstr("tag 1 does not fit the layout of the others: it looks 12.0 % larger than stated"));
+    EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return middle + 0.95 * (p - middle); }),
+                HasSubstr("tag 1 does not fit the layout of the others: it looks 5.0 % smaller than stated"));
+    EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + Eigen::Vector3d(0.006, 0.008, 0.0); }),
+                HasSubstr("tag 1 does not fit the layout of the others: it looks 10 mm from its stated place"));
+    // A hundredth of its size is what cutting and glueing leave: an effect like others.
+    const MadeCapture cut =
+        withFourTags(good, 1, [](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + Eigen::Vector3d(5e-4, 0, 0); });
+    EXPECT_FALSE(said(cut).refused);
+  }
+}
+
+TEST(Plausibility, ABoardWithColumnsAndRowsExchangedIsNamed) {
+  Rng rng = test::rngOfThisTest();
+  const MadeCapture good = makeCapture({"elbow"}, rng);
+  MadeCapture board = good;
+  constexpr int kColumns = 6, kRows = 4;
+  constexpr double kSquare = 0.03;
+  for (Observation& observation : board.observations) {
+    const Eigen::Isometry3d T = good.truth.registration.cameraTarget(forwardKinematics(*good.truth.arm, observation.q));
+    observation.corners.clear();
+    for (int k = 0; k < kColumns * kRows; ++k) {
+      CornerMeasurement corner;
+      corner.id = {-1, k};
+      corner.p_target = {kSquare * (k % kColumns), kSquare * (k / kColumns), 0.0};
+      corner.px = *project(*good.truth.camera, T * corner.p_target);
+      observation.corners.push_back(corner);
+    }
+  }
+  EXPECT_FALSE(said(board).refused) << said(board).message;
+  for (Observation& observation : board.observations) {
+    for (CornerMeasurement& corner : observation.corners) {
+      corner.p_target = {kSquare * (corner.id.corner % kRows), kSquare * (corner.id.corner / kRows), 0.0};
+    }
+  }
+  EXPECT_THAT(said(board).message, HasSubstr("the board's columns and rows look exchanged"));
+}
+
+TEST(Plausibility, RowsThatAreMispairedInTurnAreNamed) {
+  Rng rng = test::rngOfThisTest();
+  for (const CaptureKind& kind : {CaptureKind{"elbow"}, CaptureKind{"shoulder", Setup::kEyeInHand, Readings::kJoints, View::kLookAt},
+                                  CaptureKind{"seven", Setup::kEyeToHand, Readings::kFlangePoses}}) {
+    const MadeCapture good = makeCapture(kind, rng);
+    MadeCapture lagging = good, older = good, exchanged = good;
+    for (std::size_t k = 1; k < good.observations.size(); k += 2) {
+      lagging.observations[k].q = good.observations[k - 1].q;
+      lagging.observations[k].T_base_flange = good.observations[k - 1].T_base_flange;
+      if (k > 2) {
+        older.observations[k].q = good.observations[k - 2].q;
+        older.observations[k].T_base_flange = good.observations[k - 2].T_base_flange;
+      }
+      for (const auto& [to, from] : {std::pair(k, k - 1), std::pair(k - 1, k)}) {
+        exchanged.observations[to].q = good.observations[from].q;
+        exchanged.observations[to].T_base_flange = good.observations[from].T_base_flange;
+      }
+    }
+    EXPECT_THAT(said(older).message, HasSubstr("every second row looks shifted by 2 against the pictures")) << nameOf(kind);
+    EXPECT_THAT(said(exchanged).message, HasSubstr("the rows look shifted by 1 and by -1 in turn")) << nameOf(kind);
+    EXPECT_THAT(said(lagging).message, HasSubstr("20 rows, this one the first, hold exactly the reading of the row before"))
+        << nameOf(kind);
+  }
 }
 
 TEST(Plausibility, RowsOfOtherPicturesAreRefusedWithoutAGuess) {

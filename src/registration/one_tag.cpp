@@ -1,0 +1,181 @@
+#include "registration/one_tag.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "poecal/registration/implausible.hpp"
+#include "poecal/registration/target_pose.hpp"
+#include "registration/problem.hpp"
+
+namespace poecal {
+namespace {
+
+constexpr std::size_t kFewestTags = 3, kMostTags = 8;
+constexpr std::size_t kRows = 16, kFewestRows = 4;
+// What no ruler and no printer makes of one tag beside others; turns in radians.
+constexpr double kOtherSize = 0.03, kOtherPlace = 0.1, kOtherTurn = 0.1;
+constexpr double kSurely = 6.0;  // standard deviations
+constexpr double kMends = 0.3;   // of what free poses leave as stated
+constexpr int kTagCorners = 4;
+
+/// Change of a tag in its plane: size beside 1, shift along its two edges [m], turn [rad].
+using Change = Eigen::Vector4d;
+
+/// Tags whose four corners a picture shows.
+std::set<int> wholeTags(const Observation& observation) {
+  std::map<int, int> seen;
+  for (const CornerMeasurement& corner : observation.corners) ++seen[corner.id.tag];
+  std::set<int> whole;
+  for (const auto& [tag, corners] : seen) {
+    if (tag >= 0 && corners == kTagCorners) whole.insert(tag);
+  }
+  return whole;
+}
+
+/// A tag as stated: its middle, and unit vectors along its edges.
+struct TagPlane {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero(), along = Eigen::Vector3d::Zero(), across = Eigen::Vector3d::Zero();
+  double size = 0.0;
+
+  static TagPlane of(const std::map<int, Eigen::Vector3d>& corners) {
+    TagPlane plane;
+    for (const auto& [corner, point] : corners) plane.middle += point / kTagCorners;
+    plane.size = (corners.at(1) - corners.at(0)).norm();
+    plane.along = (corners.at(1) - corners.at(0)).normalized();
+    const Eigen::Vector3d up = corners.at(3) - corners.at(0);
+    plane.across = (up - plane.along * plane.along.dot(up)).normalized();
+    return plane;
+  }
+  /// d(point) / d(change).
+  Eigen::Matrix<double, 3, 4> derivative(const Eigen::Vector3d& point) const {
+    Eigen::Matrix<double, 3, 4> J;
+    J << (point - middle), along, across, along.cross(across).cross(point - middle);
+    return J;
+  }
+  Eigen::Vector3d changed(const Eigen::Vector3d& point, const Change& change) const {
+    const Eigen::AngleAxisd turn(change(3), along.cross(across));
+    return middle + (1.0 + change(0)) * (turn * (point - middle)) + change(1) * along + change(2) * across;
+  }
+};
+
+struct FittedChange {
+  Change change = Change::Zero(), sigma = Change::Zero();
+};
+
+/// What a tag's corners are off by where the others foretell them.
+std::optional<FittedChange> fitChange(const Camera& camera, const std::vector<Observation>& rows, int tag, const TagPlane& plane) {
+  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
+  Change b = Change::Zero();
+  double squares = 0.0, numbers = 0.0;
+  std::size_t used = 0;
+  for (const Observation& row : rows) {
+    const std::set<int> whole = wholeTags(row);
+    if (!whole.contains(tag) || whole.size() < kFewestTags) continue;
+    Observation others = row;
+    std::erase_if(others.corners, [&](const CornerMeasurement& corner) { return corner.id.tag == tag || !whole.contains(corner.id.tag); });
+    const std::vector<TargetPose> poses = targetPoses(camera, others);
+    if (poses.empty()) continue;
+    ++used;
+    const Eigen::Isometry3d& T = poses.front().T_camera_target;
+    for (const CornerMeasurement& corner : row.corners) {
+      if (corner.id.tag != tag) continue;
+      const auto seen = projectWithJacobians(camera, T * corner.p_target);
+      if (!seen) continue;
+      const Eigen::Matrix<double, 2, 4> J = seen->J_px_p * T.linear() * plane.derivative(corner.p_target);
+      const Eigen::Vector2d r = corner.px - seen->px;
+      A += J.transpose() * J;
+      b += J.transpose() * r;
+      squares += r.squaredNorm();
+      numbers += 2.0;
+    }
+  }
+  if (used < kFewestRows) return std::nullopt;
+  const Eigen::LDLT<Eigen::Matrix4d> ldlt(A);
+  FittedChange fitted{ldlt.solve(b), {}};
+  const double variance = std::max(0.0, squares - fitted.change.dot(b)) / std::max(1.0, numbers - 4.0);
+  fitted.sigma = (variance * ldlt.solve(Eigen::Matrix4d::Identity()).diagonal()).cwiseMax(0.0).cwiseSqrt();
+  if (!fitted.change.allFinite() || !fitted.sigma.allFinite()) return std::nullopt;
+  return fitted;
+}
+
+/// "it looks 12.0 % larger than stated, 4.1 mm from its stated place"; empty where it is as stated.
+std::string describe(const FittedChange& fitted, double size) {
+  const auto surely = [&](Eigen::Index k, double usual) { return std::abs(fitted.change(k)) > std::max(usual, kSurely * fitted.sigma(k)); };
+  std::string text;
+  const auto add = [&text](const std::string& what) { text += (text.empty() ? "it looks " : ", ") + what; };
+  if (surely(0, kOtherSize)) {
+    const double more = fitted.change(0);
+    add(fmt::format("{:.1f} % {} than stated", 100.0 * std::abs(more), more > 0.0 ? "larger" : "smaller"));
+  }
+  if (surely(1, kOtherPlace * size) || surely(2, kOtherPlace * size)) {
+    add(fmt::format("{:.3g} mm from its stated place", 1e3 * std::hypot(fitted.change(1), fitted.change(2))));
+  }
+  if (surely(3, kOtherTurn)) add(fmt::format("turned by {:.3g} degrees", fitted.change(3) * 180.0 / M_PI));
+  return text;
+}
+
+/// A tag of half or twice its size, or farther away than the target is wide: the others place it by a pose that is none.
+bool isFarFrom(const FittedChange& fitted, const std::map<int, std::map<int, Eigen::Vector3d>>& tags, const TagPlane& plane) {
+  constexpr double kHalf = 0.5;
+  double farthest = 0.0;
+  for (const auto& [tag, corners] : tags) {
+    for (const auto& [corner, point] : corners) farthest = std::max(farthest, (point - plane.middle).norm());
+  }
+  return std::abs(fitted.change(0)) > kHalf || std::hypot(fitted.change(1), fitted.change(2)) > farthest;
+}
+
+std::size_t posed(const Problem& problem) {
+  return static_cast<std::size_t>(std::count_if(problem.samples.begin(), problem.samples.end(),
+                                                [](const HypothesisSample& sample) { return !sample.candidates.empty(); }));
+}
+
+}  // namespace
+
+void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observations) {
+  if (!cell.camera || observations.empty() || observations.front().pose) return;
+  std::map<int, std::map<int, Eigen::Vector3d>> tags;
+  for (const Observation& observation : observations) {
+    for (const CornerMeasurement& corner : observation.corners) tags[corner.id.tag][corner.id.corner] = corner.p_target;
+  }
+  if (tags.size() < kFewestTags || tags.size() > kMostTags || tags.begin()->first < 0) return;
+  Problem few;
+  few.cell = cell;
+  const std::size_t rows = std::min(kRows, observations.size());
+  for (std::size_t i = 0; i < rows; ++i) few.observations.push_back(observations[i * observations.size() / rows]);
+  renewPictures(few);
+  const double stated = freeMisfit(few.samples);
+  double least = kMends * stated;
+  std::string best;
+  for (const auto& [tag, corners] : tags) {
+    if (corners.size() != kTagCorners) continue;
+    const TagPlane plane = TagPlane::of(corners);
+    const auto fitted = fitChange(*cell.camera, few.observations, tag, plane);
+    if (!fitted) continue;
+    const std::string text = describe(*fitted, plane.size);
+    if (text.empty() || isFarFrom(*fitted, tags, plane)) continue;
+    Problem altered = few;
+    for (Observation& observation : altered.observations) {
+      for (CornerMeasurement& corner : observation.corners) {
+        if (corner.id.tag == tag) corner.p_target = plane.changed(corner.p_target, fitted->change);
+      }
+    }
+    renewPictures(altered);
+    const double left = freeMisfit(altered.samples);
+    if (!(left < least) || posed(altered) < posed(few)) continue;
+    least = left;
+    best = fmt::format(
+        "tag {} does not fit the layout of the others: {} (so, the target fits to {:.3g} px instead of {:.3g} with a pose of "
+        "its own in each picture)",
+        tag, text, left, stated);
+  }
+  if (!best.empty()) throw ImplausibleCapture(best, InputPart::kTarget);
+}
+
+}  // namespace poecal
