@@ -46,13 +46,15 @@ class Fit {
     constexpr double kLargestChange = 0.4;  // of the kurtosis
     // What the noise leaves open is worth 17, one for each parameter; what this step leaves is its square in blurs.
     constexpr double kSettled = 0.1;
-    // Most of the way at a fraction of the price.
+    // Most of the way at a fraction of the price. Every so many rows and columns of an upright tag may all miss its edges.
+    const State start = state_;
     if (!choosePixels(roughStride())) return false;
     startLight();
-    for (int k = 0; k < kRoughSteps; ++k) {
-      if (!step(0.0)) return false;
-    }
+    bool is_nearer = true;
+    for (int k = 0; k < kRoughSteps && is_nearer; ++k) is_nearer = step(0.0);
+    if (!is_nearer) state_ = start;
     if (!choosePixels(1)) return false;
+    if (!is_nearer) startLight();
     for (int k = 0; k < kMostSteps; ++k) {
       if (!step(k < kSpreadSteps ? kLargestChange : 0.0)) return false;
       if (last_gain_ < kSettled) return true;
@@ -122,23 +124,33 @@ class Fit {
     constexpr double kLargestKurtosis = 1.0;  // what a halo of some hundredths of the light has
     constexpr double kLargestMove = 5.0;      // [px]
     accumulate();
-    Step step = solve(normal_);
+    Rows::Matrix normal = normal_;
+    Step step = solve(normal);
     const double before = state_.spread.kurtosis;
     const double kurtosis =
         std::clamp(before + std::clamp(step(kKurtosis), -largest_change, largest_change), -kLargestKurtosis, kLargestKurtosis);
     if (kurtosis != before + step(kKurtosis)) {
       // The others' best step is another one then.
-      step = solve(holding(kKurtosis, kurtosis - before));
+      hold(kKurtosis, kurtosis - before, normal);
+      step = solve(normal);
     }
     if (!step.allFinite()) return false;
     // A blur far off would make the linearisation leap: a third either way at most.
     const double change = std::clamp(step(kBlur), -state_.spread.blur / 3.0, state_.spread.blur / 3.0);
+    // Of what is sharper than pixels are, a smaller blur is wished for at every step and never had.
+    const double sharpest = kSmallestBlur - state_.spread.blur;
+    if (change < sharpest) {
+      hold(kBlur, sharpest, normal);
+      step = solve(normal);
+    }
     state_.straight += step.head<8>().reshaped(2, 4);
-    state_.spread.blur = std::max(kSmallestBlur, state_.spread.blur + change);
+    state_.spread.blur += std::max(change, sharpest);
     state_.spread.kurtosis = kurtosis;
     state_.growth = std::clamp(state_.growth + step(kGrowth), -state_.spread.blur, state_.spread.blur);
     state_.light += step.tail<6>();
-    last_gain_ = step.dot(normal_.block<kParameters, 1>(0, kParameters)) / variance();
+    // Rounding alone leaves the least noise: in a picture without any other a fit would never come to rest.
+    const double least = std::max(variance(), kSmallestNoise * kSmallestNoise);
+    last_gain_ = step.dot(normal_.block<kParameters, 1>(0, kParameters)) / least;
     return step.head<8>().cwiseAbs().maxCoeff() < kLargestMove;
   }
 
@@ -146,13 +158,11 @@ class Fit {
     return normal.topLeftCorner<kParameters, kParameters>().ldlt().solve(normal.block<kParameters, 1>(0, kParameters));
   }
 
-  /// The normal equations with the step of one parameter as said, as by an observation of far more weight than the picture's.
-  Rows::Matrix holding(int parameter, double step) const {
-    Rows::Matrix held = normal_;
-    const double weight = 1e8 * normal_(parameter, parameter);
-    held(parameter, parameter) += weight;
-    held(parameter, kParameters) += weight * step;
-    return held;
+  /// Has the step of one parameter as said, as by an observation of far more weight than the picture's.
+  static void hold(int parameter, double step, Rows::Matrix& normal) {
+    const double weight = 1e8 * normal(parameter, parameter);
+    normal(parameter, parameter) += weight;
+    normal(parameter, kParameters) += weight * step;
   }
 
   /// The normal equations at the state, for the corners; weights by the residuals' scale of the last time.

@@ -235,6 +235,34 @@ TEST(TagRefiner, GrowthOfDarkIntoLightIsNotTakenForSize) {
   EXPECT_THAT(refined->px, test::IsNear(truth, kTolerance));
 }
 
+// Upright before the camera, as renderers draw them: all pixels of an edge say the same, and rounding is all the noise there is.
+TEST(TagRefiner, UprightTagsWithoutNoiseComeToRest) {
+  constexpr double kTolerance = 0.01;   // [px]; AprilTag's corners are 0.15 off there
+  constexpr double kOfAprilTags = 0.2;  // where the picture is sharper than its pixels, and says less
+  Rng rng = test::rngOfThisTest();
+  TagRefiner refiner("tag36h11", true, std::nullopt);
+  const auto errorsOf = [&](double side, double off, double blur) {
+    test::TagScene scene;
+    scene.id = 7;
+    scene.blur = blur;
+    scene.size = {400, 400};
+    scene.corners = test::tiltedSquare({200.0 + off, 200.0 + off}, side, 0.0, 0.0);
+    const cv::Mat picture = test::withNoise(test::exactPicture(scene), rng, 0.0);
+    const std::optional<TagDetection> tag = detected(picture);
+    const std::optional<TagFit> fit = tag ? refiner.refine(picture, tag->id, tag->px) : std::nullopt;
+    EXPECT_TRUE(fit) << side << " px, " << off << ", blur " << blur;
+    const auto error = [&](const TagCorners& px) { return (px - scene.corners).colwise().norm().maxCoeff(); };
+    return fit ? std::pair(error(tag->px), error(fit->px)) : std::pair(0.0, 1.0);
+  };
+  for (const double off : {0.0, 0.25, 0.5}) {
+    for (const double side : {100.0, 200.0, 320.0}) EXPECT_LT(errorsOf(side, off, 0.7).second, kTolerance) << side << " px, " << off;
+  }
+  for (const double off : {0.0, 0.5}) {
+    const auto [apriltags, refined] = errorsOf(100.0, off, 0.1);
+    EXPECT_LT(refined, kOfAprilTags * apriltags) << off;
+  }
+}
+
 TEST(TagRefiner, AGlareSpotDoesNotPull) {
   constexpr double kTolerance = 0.03;  // [px], three times the error without the spot and half of AprilTag's
   Rng rng = test::rngOfThisTest();
