@@ -19,6 +19,7 @@
 #include "commands.hpp"
 #include "numbers.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/detection/decoder_log.hpp"
 #include "terminal.hpp"
 
 namespace poecal::app {
@@ -153,5 +154,6 @@ int runGuarded(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   poecal::app::holdStandardStreams();
+  poecal::silenceDecoders();
   return poecal::app::runGuarded(argc, argv);
 }

@@ -1,5 +1,6 @@
 #include "detection/picture.hpp"
 
+#include <array>
 #include <cstdint>
 #include <new>
 #include <optional>
@@ -7,12 +8,14 @@
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "detection/memory.hpp"
 #include "detection/picture_header.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
+#include "poecal/detection/decoder_log.hpp"
 
 namespace poecal {
 namespace {
@@ -30,6 +33,43 @@ bool pngIsWhole(std::string_view bytes) {
     const bool last = bytes.substr(at + 4, 4) == "IEND";
     at += kOverhead + length;
     if (last) return at <= bytes.size();
+  }
+  return false;
+}
+
+/// CRC-32 as PNG has it (ISO 3309, polynomial 0xEDB88320).
+std::uint32_t crc32(std::string_view bytes) {
+  static const std::array<std::uint32_t, 256> kTable = [] {
+    std::array<std::uint32_t, 256> table{};
+    for (std::uint32_t n = 0; n < table.size(); ++n) {
+      std::uint32_t c = n;
+      for (int bit = 0; bit < 8; ++bit) c = (c & 1U) != 0 ? 0xEDB88320U ^ (c >> 1U) : c >> 1U;
+      table[n] = c;
+    }
+    return table;
+  }();
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const char byte : bytes) crc = kTable[(crc ^ static_cast<std::uint8_t>(byte)) & 0xFFU] ^ (crc >> 8U);
+  return ~crc;
+}
+
+std::uint32_t bigEndian(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < 4; ++k) value = value << 8U | static_cast<std::uint8_t>(bytes[k]);
+  return value;
+}
+
+/// Whether a chunk that a picture needs is not what was written. libpng would say so on the standard error stream, and names no file.
+bool pngIsDamaged(std::string_view bytes) {
+  std::size_t at = kPngSignature.size();
+  while (at + 12 <= bytes.size()) {
+    const std::size_t length = bigEndian(bytes.substr(at));
+    if (length > bytes.size() - at - 12) return false;
+    const std::string_view type_and_data = bytes.substr(at + 4, 4 + length);
+    const bool needed = type_and_data.front() >= 'A' && type_and_data.front() <= 'Z';
+    if (needed && crc32(type_and_data) != bigEndian(bytes.substr(at + 8 + length))) return true;
+    if (type_and_data.starts_with("IEND")) return false;
+    at += 12 + length;
   }
   return false;
 }
@@ -92,12 +132,17 @@ Picture decodePicture(const PictureFile& file) {
   if (size->pixels() > kMostPixels) {
     return {{}, fmt::format("is {} x {} pixels, expected at most {:.0f} million", size->width, size->height, 1e-6 * kMostPixels)};
   }
+  if (std::string_view(file.bytes).starts_with(kPngSignature) && pngIsDamaged(file.bytes)) {
+    return {{}, "the file is damaged: its checksums are not those of its contents"};
+  }
   const cv::Mat picture = decode(file.bytes);
   if (picture.empty()) return {{}, kNoPicture};
   if (picture.depth() == CV_8U) return {picture, ""};
   if (picture.depth() == CV_16U) return {toEightBit(picture), ""};
   return {{}, "has pixels that are neither 8 nor 16 bit integers"};
 }
+
+void silenceDecoders() { cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT); }
 
 Picture readPicture(const std::filesystem::path& file) { return decodePicture(readPictureFile(file)); }
 

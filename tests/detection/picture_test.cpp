@@ -54,6 +54,19 @@ TEST(Picture, SixteenBitsAreScaledByTheSensorsRange) {
       << "4080 stands for 4095";
 }
 
+TEST(Picture, ADamagedPngIsSaidAndNotByItsLibrary) {
+  const test::TempFolder folder;
+  const std::string whole = encoded(".png", gradient());
+  const std::size_t data = whole.find("IDAT") + 12;
+  std::string damaged = whole;
+  damaged[data] = static_cast<char>(damaged[data] ^ 0x10);
+  ::testing::internal::CaptureStderr();
+  const Picture picture = readPicture(folder.write("a.png", damaged));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_TRUE(picture.grey.empty());
+  EXPECT_EQ(picture.problem, "the file is damaged: its checksums are not those of its contents");
+}
+
 TEST(Picture, CutFilesAreNoPictures) {
   const test::TempFolder folder;
   for (const char* extension : {".png", ".jpg"}) {
