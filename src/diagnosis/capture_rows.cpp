@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "poecal/effects/catalogue.hpp"
 #include "poecal/geometry/se3.hpp"
 
 namespace poecal {
@@ -64,6 +65,42 @@ PoseDerivative evaluateObservation(const MeasuredCell& measured, const ModelStat
   }
   part.R_camera_target = part.ports.T_camera_target.linear();
   return pose;
+}
+
+/// Effects by which the arm yields to gravity.
+std::vector<AppliedEffect> yielding(const ModelState& state) {
+  std::vector<AppliedEffect> some;
+  for (const AppliedEffect& applied : state.effects) {
+    if (applied.effect.kind().yields_to_gravity) some.push_back(applied);
+  }
+  return some;
+}
+
+/// (there - here) / step, of the joints, the links and the base.
+Disturbance slope(Disturbance there, const Disturbance& here, double step) {
+  there.joints = (there.joints - here.joints) / step;
+  for (std::size_t k = 0; k < there.links.size(); ++k) there.links[k] = (there.links[k] - here.links[k]) / step;
+  there.base = (there.base - here.base) / step;
+  return there;
+}
+
+/// Adds to J what the deflections change by where the axes move, as gravity's lever arms do: with unknown masses, large moments that cancel
+/// each other make it some per cent of a column.
+void addLeverArms(const MeasuredCell& measured, const ModelState& state, const ParameterLayout& layout, CaptureRows& all) {
+  const std::vector<AppliedEffect> effects = yielding(state);
+  if (effects.empty()) return;
+  constexpr double kStep = 1e-6;  // [rad], [m]: its square is below the rounding of the difference
+  std::vector<Disturbance> here;
+  for (const ObservationRows& part : all.observations) here.push_back(disturbanceOf(effects, part.context));
+  for (int i = 0; i < layout.twists; ++i) {
+    const ModelState moved{state.cell.moved(layout, kStep * Eigen::VectorXd::Unit(layout.total, i)), {}};
+    const auto capture = contextOf(measured, moved);
+    for (std::size_t n = 0; n < all.observations.size(); ++n) {
+      const ObservationRows& part = all.observations[n];
+      const SampleContext context = makeSampleContext(capture, measured.samples[part.context.number], part.context.number, {});
+      all.J.col(i).segment(part.begin, part.size) += part.along(slope(disturbanceOf(effects, context), here[n], kStep));
+    }
+  }
 }
 
 }  // namespace
@@ -150,6 +187,7 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
       begin += part.size;
     }
   }
+  addLeverArms(measured, state, layout, all);
   return all;
 }
 

@@ -20,7 +20,8 @@ namespace poecal {
 namespace {
 
 constexpr std::size_t kFewestPoses = 12;
-constexpr std::size_t kIdentified = 2;  // rung
+constexpr std::size_t kIdentified = 2;   // rung
+constexpr std::size_t kMostRefused = 3;  // names before it is said that none serves
 
 MeasuredCell measuredCell(const Identification& identification, const Measurements& measurements, const DiagnoseOptions& options) {
   MeasuredCell measured;
@@ -203,6 +204,17 @@ bool isHollow(const Selection& selection, const Climbed& climbed, std::size_t i)
          factorsChiSquare(selection, i) < kNothing;
 }
 
+/// The effect with a name that makes poses worst that its fit did not see; nothing where all of them make them better.
+std::optional<std::size_t> worstName(const Selection& selection, const Climbed& climbed) {
+  std::optional<std::size_t> worst;
+  for (std::size_t i = 0; i < selection.findings.size(); ++i) {
+    const FoundEffect& found = selection.findings[i];
+    if (!found.accepted || found.isUnknown() || climbed.ratios[i] >= 1.0) continue;
+    if (!worst || climbed.ratios[i] < climbed.ratios[*worst]) worst = i;
+  }
+  return worst;
+}
+
 /// The first finding that is not to be given; as many as there are where all are.
 std::size_t firstUseless(const Selection& selection, const Climbed& climbed, bool judge_names) {
   std::size_t i = 0;
@@ -232,13 +244,18 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
   const std::vector<std::size_t> wild = grosslyWild(identification, measured);
   // A curve of unknown shape that does not serve poses which it did not see is none that could be told of, nor is what came after it. Where
   // it is the first, what has a name may still serve; names that do not either are not given in its place.
-  std::vector<Finding> possibilities;
+  std::vector<Finding> possibilities, refused;
   for (SearchLimits limits;; limits.label = "searching for effects again") {
     const Selection selection = selectEffects(measured, state, wild, limits);
     Diagnosis diagnosis = tellFindings(selection, row_order);
     const Climbed climbed = climb(selection, measured, identification, options, diagnosis);
     if (limits.most > 0 && climbed.worse) {
-      limits.most = 0;
+      const std::optional<std::size_t> spoils = worstName(selection, climbed);
+      if (spoils && limits.refused.size() < kMostRefused) {
+        limits.refused.insert(selection.findings[*spoils].accepted->candidate.answer());
+      } else {
+        limits.most = 0;
+      }
       continue;
     }
     const std::size_t useless = firstUseless(selection, climbed, !limits.curves || isSmall(measured));
@@ -251,12 +268,20 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       tellModel(selection, identification, diagnosis);
       tellContradictions(selection, diagnosis);
       tellBad(selection, measurements.observations, measurements.samples, diagnosis);
+      // A name that was refused remains one where nothing else was found in its place.
+      if (selection.findings.empty()) possibilities.insert(possibilities.end(), refused.begin(), refused.end());
       diagnosis.possibilities = std::move(possibilities);
       return diagnosis;
     }
-    if (diagnosis.findings[useless].effect != kUnknownEffect && (isSmall(measured) || isHollow(selection, climbed, useless))) {
-      possibilities.push_back(diagnosis.findings[useless]);
-      limits.most = useless;
+    const bool hollow = isHollow(selection, climbed, useless);
+    if (diagnosis.findings[useless].effect != kUnknownEffect && (isSmall(measured) || hollow)) {
+      const bool again = hollow && limits.refused.size() < kMostRefused;
+      (again ? refused : possibilities).push_back(diagnosis.findings[useless]);
+      if (again) {
+        limits.refused.insert(selection.findings[useless].accepted->candidate.answer());
+      } else {
+        limits.most = useless;
+      }
       continue;
     }
     if (useless == 0 && limits.curves) {

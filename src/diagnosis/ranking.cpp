@@ -248,19 +248,27 @@ class Ranker {
     std::size_t count = 0;
     while (count < std::min(kSearch.fitted_again, ranking.answers.size()) && ranking.answers[count].log_weight > least) ++count;
     if (count < 2 && !always) return;
-    std::vector<RankedAnswer> kept;
-    for (std::size_t i = 0; i < ranking.answers.size(); ++i) {
-      RankedAnswer& answer = ranking.answers[i];
-      if (i < count && answer.exact && answer.candidate) {
-        const std::optional<double> gain = gainOfRefit(linear, answer);
-        if (!gain) continue;
-        answer.exact->log_bayes += *gain;
-        answer.log_bayes += *gain;
-        answer.log_weight += *gain;
-      }
-      kept.push_back(std::move(answer));
+    // What stands first once those before it came to no rest has to come to rest itself.
+    for (std::size_t fitted = 0; fitted < count || !ranking.answers.front().fitted_again; ++fitted) {
+      const auto next =
+          std::find_if(ranking.answers.begin(), ranking.answers.end(), [](const auto& answer) { return !answer.fitted_again; });
+      if (next == ranking.answers.end()) break;
+      if (!fitAgain(linear, *next)) ranking.answers.erase(next);
+      if (ranking.answers.empty()) break;
+      if (fitted + 1 >= count) sort(ranking);
     }
-    ranking.answers = std::move(kept);
+  }
+
+  /// Takes an answer's evidence, where it has some, from a fit without linearisation. @return whether that comes to rest
+  bool fitAgain(const Linearised& linear, RankedAnswer& answer) const {
+    answer.fitted_again = true;
+    if (!answer.exact || !answer.candidate) return true;
+    const std::optional<double> gain = gainOfRefit(linear, answer);
+    if (!gain) return false;
+    answer.exact->log_bayes += *gain;
+    answer.log_bayes += *gain;
+    answer.log_weight += *gain;
+    return true;
   }
 
   void addScatter(const Linearised& linear, const std::vector<std::string>& taken, Ranking& ranking) const {

@@ -22,6 +22,7 @@ struct RankedAnswer {
   std::optional<std::size_t> scatter = {};  ///< the joint that moves at random
   Evidence screened = {};                   ///< of the best instance
   std::optional<ExactEvidence> exact = {};
+  bool fitted_again = false;  ///< without linearisation
 };
 
 /// What yields to gravity where its size comes out below zero: nothing does, unless gravity points the other way than it was said to.

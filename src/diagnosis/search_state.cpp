@@ -16,6 +16,8 @@ Ranking SearchState::ranked(const Linearised& at, std::optional<std::size_t> wit
 
 void SearchState::listCandidates() {
   CandidateList list = allCandidates(selection.measured, linear.state);
+  std::erase_if(list.candidates,
+                [this](const Candidate& candidate) { return candidate.known() && limits_.refused.contains(candidate.answer()); });
   selection.candidates = std::move(list.candidates);
   selection.not_testable = std::move(list.not_testable);
 }

@@ -39,7 +39,11 @@ class Selector {
         if (isNew()) continue;
       }
       // What stands out now does so beside every explanation.
-      if (!dropBad(kSearch.wild_at_last) && !takeBack()) break;
+      if (nameStructure()) {
+        settle();
+      } else if (!dropBad(kSearch.wild_at_last) && !takeBack()) {
+        break;
+      }
       settled_.clear();
       search_.listCandidates();
       if (selection_.findings.empty()) {
@@ -71,7 +75,17 @@ class Selector {
     preferCurve(search_, ranking, chosen);
     growStructure(search_);
     splitIntoNames(search_);
+    nameWhatHasAName(search_, selection_.findings.size() - 1);
     return true;
+  }
+
+  /// @return whether some structure is a named effect and a rest
+  bool nameStructure() {
+    if (!limits_.curves || !named_.insert(search_.taken()).second) return false;
+    for (std::size_t i = 0; i < selection_.findings.size(); ++i) {
+      if (nameWhatHasAName(search_, i)) return true;
+    }
+    return false;
   }
 
   /// What the largest finding explains, of which its imprecision may leave a share.
@@ -233,6 +247,7 @@ class Selector {
   std::vector<std::size_t> kept_;  ///< numbers in given_ of the observations in selection_.measured
   bool taken_back_ = false;
   std::set<std::vector<std::string>> settled_;  ///< names of the findings that were settled on together
+  std::set<std::vector<std::string>> named_;
   SearchLimits limits_;
   SearchState search_;
   Selection& selection_ = search_.selection;

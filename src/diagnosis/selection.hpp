@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,8 @@ struct Selection {
 };
 
 struct SearchLimits {
-  std::size_t most = 4;                         ///< findings at which to stop
+  std::size_t most = 6;                         ///< findings at which to stop
+  std::set<std::string> refused = {};           ///< answers with a name that are none: Candidate::answer()
   bool curves = true;                           ///< whether a curve of unknown shape may be an answer
   std::string label = "searching for effects";  ///< for those who are told of the rounds
 };

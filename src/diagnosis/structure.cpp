@@ -171,11 +171,27 @@ bool takeWavesInstead(SearchState& search, const Ranking& without, const RankedA
 std::size_t namesThatMayHide(const FoundEffect& found) {
   constexpr std::size_t kMost = 3;
   if (!found.isUnknown() || !found.accepted || !found.accepted->candidate.curve) return 0;
-  // What grows with time at several places is seen at any of them.
+  // A lens that is wrong in one way is often wrong in several, and what grows with time at several places is seen at any of them.
+  if (found.place.kind == PlaceKind::kCameraLens) return kMost;
   if (!isWaves(found)) return found.driver.kind() == DriverKind::kStamp ? kMost : 0;
   const std::vector<AngleWave>& terms = found.accepted->candidate.curve->terms;
   const bool single = std::all_of(terms.begin(), terms.end(), [](const AngleWave& wave) { return wave.size() == 1; });
   return single && terms.size() >= 2 && terms.size() <= kMost ? terms.size() : 0;
+}
+
+/// Whether effects with names may be a part of it. A curve of time takes whatever grows with time to pieces.
+bool mayHoldNames(const FoundEffect& found) { return found.isUnknown() && found.accepted && found.driver.kind() != DriverKind::kStamp; }
+
+/// Whether a driver is another, or readings of which the other is one: "q1,q3" includes "q3".
+bool includes(const Driver& driver, const Driver& other) {
+  return ("," + driver.name() + ",").find("," + other.name() + ",") != std::string::npos;
+}
+
+/// Whether an answer is structure beside an effect at its place. At a joint, what the effect's own driver leaves, alone or with others, is
+/// its own shape, which then has no name; a lens has many numbers, and several of them are often wrong.
+bool isRestBeside(const FoundEffect& named, const RankedAnswer& answer) {
+  if (!answer.candidate || answer.candidate->known() || answer.place != named.place || !(answer.log_weight > kSearch.needed)) return false;
+  return named.place.kind == PlaceKind::kCameraLens || !includes(answer.driver, named.driver);
 }
 
 }  // namespace
@@ -236,6 +252,7 @@ void splitIntoNames(SearchState& search) {
   const double of_curve = search.linear.logLikelihood() + fittedShare(findings.back().accepted->candidate);
   const double enough = of_curve - kSearch.relative_misfit * findings.back().chi_square;
   const std::vector<FoundEffect> before = findings;
+  const bool lens = findings.back().place.kind == PlaceKind::kCameraLens;
   findings.pop_back();
   search.refitAll();
   double shares = 0.0;
@@ -248,11 +265,51 @@ void splitIntoNames(SearchState& search) {
     shares += fittedShare(*named->candidate);
     search.add(ranking, static_cast<std::size_t>(named - ranking.answers.begin()));
     // A single name was weighed against the curve already, and names that are all at one place are a curve of time taken to pieces.
-    const bool apart = isWaves(before.back()) || findings.back().place != findings[before.size() - 1].place;
+    const bool apart = lens || isWaves(before.back()) || findings.back().place != findings[before.size() - 1].place;
     if (i > 0 && apart && search.linear.logLikelihood() + shares > enough) return;
   }
   findings = before;
   search.refitAll();
+}
+
+bool nameWhatHasAName(SearchState& search, std::size_t number) {
+  std::vector<FoundEffect>& findings = search.selection.findings;
+  const FoundEffect whole = findings[number];
+  const auto has_name = [&whole](const RankedAnswer& answer) {
+    return answer.candidate && answer.candidate->known() && answer.place == whole.place && answer.log_weight > kSearch.needed;
+  };
+  const std::vector<RankedAnswer>& rivals = whole.ranking.answers;
+  if (!mayHoldNames(whole) || std::none_of(rivals.begin(), rivals.end(), has_name)) return false;
+  const std::vector<FoundEffect> before = findings;
+  double best_weight = search.linear.logLikelihood() + fittedShare(whole.accepted->candidate), shares = 0.0;
+  findings.erase(findings.begin() + static_cast<std::ptrdiff_t>(number));
+  search.refitAll();
+  std::vector<FoundEffect> best = before;
+  Ranking ranking = search.ranked();
+  while (findings.size() + 2 <= search.limits().most) {
+    const auto named = std::find_if(ranking.answers.begin(), ranking.answers.end(), has_name);
+    if (named == ranking.answers.end()) break;
+    shares += fittedShare(*named->candidate);
+    search.add(ranking, static_cast<std::size_t>(named - ranking.answers.begin()));
+    ranking = search.ranked();
+    const auto rest = std::find_if(ranking.answers.begin(), ranking.answers.end(),
+                                   [&findings](const RankedAnswer& answer) { return isRestBeside(findings.back(), answer); });
+    if (rest == ranking.answers.end()) break;
+    const std::vector<FoundEffect> names = findings;
+    search.add(ranking, static_cast<std::size_t>(rest - ranking.answers.begin()));
+    growStructure(search);
+    const bool own_shape = whole.place.kind != PlaceKind::kCameraLens && includes(findings.back().driver, names.back().driver);
+    const double weight = search.linear.logLikelihood() + shares + fittedShare(findings.back().accepted->candidate);
+    if (!own_shape && weight > best_weight + kSearch.structure) {
+      best_weight = weight;
+      best = findings;
+    }
+    findings = names;
+    search.refitAll();
+  }
+  findings = best;
+  search.refitAll();
+  return best.size() > before.size();
 }
 
 }  // namespace poecal

@@ -27,4 +27,8 @@ void growStructure(SearchState& search);
 /// where they serve as well.
 void splitIntoNames(SearchState& search);
 
+/// Structure at a place of which effects that have a name are a part: with them in, what is left is less than it was, and explains the rows
+/// at a lower price. They and the rest of the structure take its place. @return whether there were any
+bool nameWhatHasAName(SearchState& search, std::size_t number);
+
 }  // namespace poecal

@@ -46,6 +46,36 @@ TEST(Selection, WithoutCurvesEveryFindingHasAName) {
   for (const FoundEffect& found : selectEffects(measured, state, {}, {.curves = false}).findings) EXPECT_FALSE(found.isUnknown());
 }
 
+// Three explanations in place of one curve of the lens, which follows all of them: each is a cause of its own, to be mended by itself.
+TEST(Selection, ALensThatIsWrongInSeveralWaysHasANameForEach) {
+  const MeasuredCell measured = test::smallCell(54, kPoses, kSigma,
+                                                {{"lens_distortion", "camera.lens", {{"dk1", -0.08}, {"dk2", 0.05}}},
+                                                 {"focal_length", "camera.lens", {{"scale", 0.01}}}})
+                                    .measured();
+  const std::vector<std::string> names = namesOf(selectEffects(measured, test::nominalState(measured), {}, {}));
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("lens_distortion@camera.lens", "focal_length@camera.lens"));
+}
+
+// A wave of two other joints is beside it at the same joint; waves alone would follow both.
+TEST(Selection, ANameIsFoundInsideTheStructureOfItsJoint) {
+  test::SmallCell small = test::smallCell(55, kPoses, kSigma, {});
+  test::observeWith(
+      small, 2, [](const Eigen::VectorXd& q) { return 4e-3 * q(2) + 6e-4 * std::sin(2.0 * q(0) + 3.0 * q(3)); }, kSigma);
+  const MeasuredCell measured = small.measured();
+  const Selection selection = selectEffects(measured, test::nominalState(measured), {}, {});
+  EXPECT_THAT(namesOf(selection), ::testing::UnorderedElementsAre("joint_gain@joint:3", "unknown@joint:3"));
+}
+
+TEST(Selection, ANameThatIsRefusedIsNotGiven) {
+  const MeasuredCell measured = test::smallCell(51, kPoses, kSigma, kTwo).measured();
+  const ModelState state = test::nominalState(measured);
+  const Selection free = selectEffects(measured, state, {}, {});
+  ASSERT_FALSE(free.findings.empty());
+  const Selection other = selectEffects(measured, state, {}, {.refused = {free.findings.front().accepted->candidate.answer()}});
+  EXPECT_THAT(namesOf(other), ::testing::Not(::testing::Contains(namesOf(free).front())));
+  for (const Candidate& candidate : other.candidates) EXPECT_NE(candidate.answer(), free.findings.front().accepted->candidate.answer());
+}
+
 TEST(Selection, WildRowsAreTakenOutAndListed) {
   test::SmallCell small = test::smallCell(53, kPoses, kSigma, {});
   for (CornerMeasurement& corner : small.observations[7].corners) corner.px += Eigen::Vector2d(9.0, -4.0);
