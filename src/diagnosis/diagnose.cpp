@@ -253,6 +253,8 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       const std::optional<std::size_t> spoils = worstName(selection, climbed);
       if (spoils && limits.refused.size() < kMostRefused) {
         limits.refused.insert(selection.findings[*spoils].accepted->candidate.answer());
+      } else if (limits.curves) {
+        limits.curves = false;
       } else {
         limits.most = 0;
       }

@@ -108,7 +108,7 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
     enter(one, parameters);
     state.effects.push_back({*one.candidate.effect, parameters});
   }
-  constexpr int kMaxSteps = 12;
+  constexpr int kMaxSteps = 40;                  // the shortened ones too: ways through a valley take some thirty
   constexpr double kSettled = 0.01;              // standard deviations
   constexpr int kNoiseSteps = 2;                 // the second sees residuals that no longer change
   constexpr double kShortest = 0.01;             // share of a step below which there is no way down
