@@ -179,8 +179,19 @@ std::size_t namesThatMayHide(const FoundEffect& found) {
   return single && terms.size() >= 2 && terms.size() <= kMost ? terms.size() : 0;
 }
 
+/// Whether an effect with a name explains enough of what some structure does to be a part of it.
+bool isPartOf(const RankedAnswer& answer, const FoundEffect& structure) {
+  return answer.candidate && answer.candidate->known() && answer.place == structure.place && answer.log_weight > kSearch.needed;
+}
+
 /// Whether effects with names may be a part of it. A curve of time takes whatever grows with time to pieces.
-bool mayHoldNames(const FoundEffect& found) { return found.isUnknown() && found.accepted && found.driver.kind() != DriverKind::kStamp; }
+bool mayHoldNames(const FoundEffect& found) {
+  if (!found.isUnknown() || !found.accepted || found.driver.kind() == DriverKind::kStamp) return false;
+  const std::vector<RankedAnswer>& answers = found.ranking.answers;
+  const double least = kSearch.named_part * answers.front().log_weight;
+  return std::any_of(answers.begin(), answers.end(),
+                     [&](const RankedAnswer& answer) { return isPartOf(answer, found) && answer.log_weight > least; });
+}
 
 /// Whether a driver is another, or readings of which the other is one: "q1,q3" includes "q3".
 bool includes(const Driver& driver, const Driver& other) {
@@ -275,11 +286,7 @@ void splitIntoNames(SearchState& search) {
 bool nameWhatHasAName(SearchState& search, std::size_t number) {
   std::vector<FoundEffect>& findings = search.selection.findings;
   const FoundEffect whole = findings[number];
-  const auto has_name = [&whole](const RankedAnswer& answer) {
-    return answer.candidate && answer.candidate->known() && answer.place == whole.place && answer.log_weight > kSearch.needed;
-  };
-  const std::vector<RankedAnswer>& rivals = whole.ranking.answers;
-  if (!mayHoldNames(whole) || std::none_of(rivals.begin(), rivals.end(), has_name)) return false;
+  if (!mayHoldNames(whole)) return false;
   const std::vector<FoundEffect> before = findings;
   double best_weight = search.linear.logLikelihood() + fittedShare(whole.accepted->candidate), shares = 0.0;
   findings.erase(findings.begin() + static_cast<std::ptrdiff_t>(number));
@@ -287,7 +294,8 @@ bool nameWhatHasAName(SearchState& search, std::size_t number) {
   std::vector<FoundEffect> best = before;
   Ranking ranking = search.ranked();
   while (findings.size() + 2 <= search.limits().most) {
-    const auto named = std::find_if(ranking.answers.begin(), ranking.answers.end(), has_name);
+    const auto named = std::find_if(ranking.answers.begin(), ranking.answers.end(),
+                                    [&whole](const RankedAnswer& answer) { return isPartOf(answer, whole); });
     if (named == ranking.answers.end()) break;
     shares += fittedShare(*named->candidate);
     search.add(ranking, static_cast<std::size_t>(named - ranking.answers.begin()));

@@ -31,6 +31,7 @@ struct SearchThresholds {
   double beside_unknown = 14.0;       ///< more, beside a curve: what the curve did not follow is worth up to this in the withheld world
   double unknown_misfit = 0.02;       ///< and more by this share of the largest chi-square: a curve follows to 14 % of its size
   double unknown_own_misfit = 0.1;    ///< at the curve's own place: two causes at one place are rarer than a curve that follows badly
+  double named_part = 1.0 / 3.0;      ///< of the evidence for structure, by a name at its place: less is no cause to look for beside it
   double relative_misfit = 0.005;     ///< likewise of a named effect: 7 % of its size
   double scatter_worth_trying = 0.0;  ///< score in sigmas of a joint that moves at random: the likelihood falls where it is negative
 
