@@ -1,11 +1,11 @@
 #include "detection/picture.hpp"
 
-#include <array>
 #include <cstdint>
 #include <new>
 #include <optional>
 #include <string_view>
 
+#include <boost/crc.hpp>
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -23,13 +23,18 @@ namespace {
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 constexpr std::string_view kJpegSignature = "\xFF\xD8\xFF";
 
+std::uint32_t bigEndian(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < 4; ++k) value = value << 8U | static_cast<std::uint8_t>(bytes[k]);
+  return value;
+}
+
 /// Walks the chunks of a PNG to its IEND.
 bool pngIsWhole(std::string_view bytes) {
   constexpr std::size_t kOverhead = 12;  // length, type and checksum
   std::size_t at = kPngSignature.size();
   while (at + kOverhead <= bytes.size()) {
-    std::size_t length = 0;
-    for (std::size_t k = 0; k < 4; ++k) length = (length << 8) | static_cast<std::uint8_t>(bytes[at + k]);
+    const std::size_t length = bigEndian(bytes.substr(at));
     const bool last = bytes.substr(at + 4, 4) == "IEND";
     at += kOverhead + length;
     if (last) return at <= bytes.size();
@@ -37,26 +42,11 @@ bool pngIsWhole(std::string_view bytes) {
   return false;
 }
 
-/// CRC-32 as PNG has it (ISO 3309, polynomial 0xEDB88320).
+/// CRC-32 as PNG has it (ISO 3309).
 std::uint32_t crc32(std::string_view bytes) {
-  static const std::array<std::uint32_t, 256> kTable = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t n = 0; n < table.size(); ++n) {
-      std::uint32_t c = n;
-      for (int bit = 0; bit < 8; ++bit) c = (c & 1U) != 0 ? 0xEDB88320U ^ (c >> 1U) : c >> 1U;
-      table[n] = c;
-    }
-    return table;
-  }();
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (const char byte : bytes) crc = kTable[(crc ^ static_cast<std::uint8_t>(byte)) & 0xFFU] ^ (crc >> 8U);
-  return ~crc;
-}
-
-std::uint32_t bigEndian(std::string_view bytes) {
-  std::uint32_t value = 0;
-  for (std::size_t k = 0; k < 4; ++k) value = value << 8U | static_cast<std::uint8_t>(bytes[k]);
-  return value;
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return static_cast<std::uint32_t>(crc.checksum());
 }
 
 /// Whether a chunk that a picture needs is not what was written. libpng would say so on the standard error stream, and names no file.

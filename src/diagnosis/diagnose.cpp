@@ -215,6 +215,13 @@ std::optional<std::size_t> worstName(const Selection& selection, const Climbed& 
   return worst;
 }
 
+/// Has the next search do without a name. @return false where there were too many already
+bool refuse(const FoundEffect& named, SearchLimits& limits) {
+  if (limits.refused.size() >= kMostRefused) return false;
+  limits.refused.insert(named.accepted->candidate.answer());
+  return true;
+}
+
 /// The first finding that is not to be given; as many as there are where all are.
 std::size_t firstUseless(const Selection& selection, const Climbed& climbed, bool judge_names) {
   std::size_t i = 0;
@@ -251,9 +258,8 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
     const Climbed climbed = climb(selection, measured, identification, options, diagnosis);
     if (limits.most > 0 && climbed.worse) {
       const std::optional<std::size_t> spoils = worstName(selection, climbed);
-      if (spoils && limits.refused.size() < kMostRefused) {
-        limits.refused.insert(selection.findings[*spoils].accepted->candidate.answer());
-      } else if (limits.curves) {
+      if (spoils && refuse(selection.findings[*spoils], limits)) continue;
+      if (limits.curves) {
         limits.curves = false;
       } else {
         limits.most = 0;
@@ -277,13 +283,9 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
     }
     const bool hollow = isHollow(selection, climbed, useless);
     if (diagnosis.findings[useless].effect != kUnknownEffect && (isSmall(measured) || hollow)) {
-      const bool again = hollow && limits.refused.size() < kMostRefused;
+      const bool again = hollow && refuse(selection.findings[useless], limits);
       (again ? refused : possibilities).push_back(diagnosis.findings[useless]);
-      if (again) {
-        limits.refused.insert(selection.findings[useless].accepted->candidate.answer());
-      } else {
-        limits.most = useless;
-      }
+      if (!again) limits.most = useless;
       continue;
     }
     if (useless == 0 && limits.curves) {

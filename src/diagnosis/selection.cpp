@@ -247,7 +247,7 @@ class Selector {
   std::vector<std::size_t> kept_;  ///< numbers in given_ of the observations in selection_.measured
   bool taken_back_ = false;
   std::set<std::vector<std::string>> settled_;  ///< names of the findings that were settled on together
-  std::set<std::vector<std::string>> named_;
+  std::set<std::vector<std::string>> named_;    ///< those in which names were looked for
   SearchLimits limits_;
   SearchState search_;
   Selection& selection_ = search_.selection;

@@ -198,11 +198,16 @@ bool includes(const Driver& driver, const Driver& other) {
   return ("," + driver.name() + ",").find("," + other.name() + ",") != std::string::npos;
 }
 
-/// Whether an answer is structure beside an effect at its place. At a joint, what the effect's own driver leaves, alone or with others, is
-/// its own shape, which then has no name; a lens has many numbers, and several of them are often wrong.
+/// Whether structure beside an effect is its own shape, which then has no name: what the effect's own driver drives, alone or with others.
+/// A lens has many numbers, and several of them are often wrong.
+bool isOwnShape(const Driver& structure, const FoundEffect& named) {
+  return named.place.kind != PlaceKind::kCameraLens && includes(structure, named.driver);
+}
+
+/// Whether an answer is structure beside an effect at its place.
 bool isRestBeside(const FoundEffect& named, const RankedAnswer& answer) {
-  if (!answer.candidate || answer.candidate->known() || answer.place != named.place || !(answer.log_weight > kSearch.needed)) return false;
-  return named.place.kind == PlaceKind::kCameraLens || !includes(answer.driver, named.driver);
+  return answer.candidate && !answer.candidate->known() && answer.place == named.place && answer.log_weight > kSearch.needed &&
+         !isOwnShape(answer.driver, named);
 }
 
 }  // namespace
@@ -306,9 +311,8 @@ bool nameWhatHasAName(SearchState& search, std::size_t number) {
     const std::vector<FoundEffect> names = findings;
     search.add(ranking, static_cast<std::size_t>(rest - ranking.answers.begin()));
     growStructure(search);
-    const bool own_shape = whole.place.kind != PlaceKind::kCameraLens && includes(findings.back().driver, names.back().driver);
     const double weight = search.linear.logLikelihood() + shares + fittedShare(findings.back().accepted->candidate);
-    if (!own_shape && weight > best_weight + kSearch.structure) {
+    if (!isOwnShape(findings.back().driver, names.back()) && weight > best_weight + kSearch.structure) {
       best_weight = weight;
       best = findings;
     }
