@@ -14,6 +14,10 @@ void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&,
   }
 }
 
+void addByMasses(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context, Disturbance& disturbance) {
+  disturbance.base.head<3>() += wrenchByMasses(effect, parameters, context).head<3>();
+}
+
 }  // namespace
 
 EffectKind baseCompliance() {
@@ -30,6 +34,7 @@ EffectKind baseCompliance() {
   kind.separate = "poses that turn the stretched arm about the vertical; a tag on the pedestal";
   kind.remedy = "bolt or stiffen the pedestal";
   kind.add_derivative = addDerivative;
+  kind.add_by_masses = addByMasses;
   kind.yields_to_gravity = true;
   return kind;
 }

@@ -30,6 +30,10 @@ void Effect::addDerivative(Eigen::Index i, const Eigen::VectorXd& parameters, co
 }
 
 void Effect::disturb(const Eigen::VectorXd& parameters, const SampleContext& context, Disturbance& disturbance) const {
+  if (by_masses_ && kind_->add_by_masses != nullptr) {
+    kind_->add_by_masses(*this, parameters, context, disturbance);
+    return;
+  }
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
     // Only where a parameter is not zero: 0 times an unknown torque would still be NaN.

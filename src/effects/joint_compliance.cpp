@@ -12,6 +12,11 @@ void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&,
       amount * (effect.byMasses() ? context.torqueByMasses(effect.index(), massTerm(effect, i, context).column()) : context.torque(k));
 }
 
+void addByMasses(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context, Disturbance& disturbance) {
+  const auto k = static_cast<Eigen::Index>(effect.index());
+  jointPort(effect, disturbance) += context.joint_twists.col(k).dot(wrenchByMasses(effect, parameters, context));
+}
+
 }  // namespace
 
 EffectKind jointCompliance() {
@@ -28,6 +33,7 @@ EffectKind jointCompliance() {
   kind.separate = "the same poses with a second payload: geometry stays, compliance grows with the load";
   kind.remedy = "compensate gravity's torque in the controller with this compliance; check the drive's tension and bearings";
   kind.add_derivative = addDerivative;
+  kind.add_by_masses = addByMasses;
   kind.yields_to_gravity = true;
   return kind;
 }

@@ -22,6 +22,17 @@ void addDerivative(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&,
   disturbance.links[k] += amount * rotationAbout(across * bending, joint.anchor);
 }
 
+void addByMasses(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context, Disturbance& disturbance) {
+  const std::size_t k = effect.index();
+  const Joint& joint = armOf(context).joints[k];
+  const Eigen::Matrix<double, 3, 2> across = acrossAxis(joint);
+  Eigen::Vector2d bending;
+  for (Eigen::Index way = 0; way < 2; ++way) {
+    bending(way) = across.col(way).dot(context.momentOf(wrenchByMasses(effect, parameters, context, way), k));
+  }
+  disturbance.links[k] += rotationAbout(across * bending, joint.anchor);
+}
+
 }  // namespace
 
 EffectKind linkBending() {
@@ -40,6 +51,7 @@ EffectKind linkBending() {
   kind.separate = "a second payload; where the bending is about the next joint's axis it cannot be told from that joint's compliance";
   kind.remedy = "carry less, or correct the flange's pose by the load";
   kind.add_derivative = addDerivative;
+  kind.add_by_masses = addByMasses;
   kind.yields_to_gravity = true;
   return kind;
 }

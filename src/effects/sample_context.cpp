@@ -113,8 +113,11 @@ double SampleContext::torqueByMasses(std::size_t k, Eigen::Index c) const {
 
 Eigen::Vector3d SampleContext::momentByMasses(std::size_t k, Eigen::Index c) const {
   if (c < 4 * static_cast<Eigen::Index>(k)) return Eigen::Vector3d::Zero();
+  return momentOf(wrench_by_masses.col(c), k);
+}
+
+Eigen::Vector3d SampleContext::momentOf(const Vector6d& wrench, std::size_t k) const {
   const Eigen::Vector3d anchor_base = chain.P[k] * capture->cell.arm->joints[k].anchor;
-  const auto wrench = wrench_by_masses.col(c);
   return chain.P[k + 1].linear().transpose() * (wrench.head<3>() - anchor_base.cross(wrench.tail<3>()));
 }
 

@@ -35,6 +35,12 @@ MassTerm massTerm(const Effect& effect, Eigen::Index i, const SampleContext& con
   return MassLayout(effect.index(), armOf(context).joints.size())[i];
 }
 
+Vector6d wrenchByMasses(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context, Eigen::Index way) {
+  const MassLayout layout(effect.index(), armOf(context).joints.size());
+  const Eigen::Index n = layout.perWay();
+  return context.wrench_by_masses.rightCols(n) * parameters.segment(way * n, n);
+}
+
 EffectParameter driftReference() { return {"reference", "t", 0.0, ParameterRole::kReference}; }
 
 double drifted(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context) {

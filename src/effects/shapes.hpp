@@ -33,6 +33,10 @@ std::vector<EffectParameter> slipParameters(double rotation, double translation)
 /// Where the masses are not known: the function of them that parameter i stands for.
 MassTerm massTerm(const Effect& effect, Eigen::Index i, const SampleContext& context);
 
+/// The wrench (moment about the origin of base; force) that an effect by masses yields to in one of its ways: compliance times gravity's,
+/// of all bodies that the place carries.
+Vector6d wrenchByMasses(const Effect& effect, const Eigen::VectorXd& parameters, const SampleContext& context, Eigen::Index way = 0);
+
 /// When or at which temperature a drift is zero; where it is left out, at the first sample.
 EffectParameter driftReference();
 

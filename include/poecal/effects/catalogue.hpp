@@ -46,6 +46,9 @@ struct EffectKind {
   using AddDraw = void (*)(const Effect&, const Eigen::VectorXd& parameters, const SampleContext&, Disturbance&);
   AddDerivative add_derivative = nullptr;  ///< nullptr: adds nothing
   AddDraw add_draw = nullptr;              ///< nullptr: not random
+  /// Adds what all parameters of an effect by masses do together, which costs as much as one of them; nullptr: each adds its own.
+  using AddByMasses = void (*)(const Effect&, const Eigen::VectorXd& parameters, const SampleContext&, Disturbance&);
+  AddByMasses add_by_masses = nullptr;
 
   /// Where the parameters depend on which are given (a curve has as many as it has waves): in place of `parameters`.
   using ParametersOf = std::vector<EffectParameter> (*)(const Driver& driver, const std::map<std::string, double>& given);

@@ -63,6 +63,8 @@ struct SampleContext {
   /// of body k. Zero for bodies before the joint.
   double torqueByMasses(std::size_t k, Eigen::Index c) const;
   Eigen::Vector3d momentByMasses(std::size_t k, Eigen::Index c) const;
+  /// Moment of a wrench (moment about the origin of base; force) about the anchor of joint k, in the frame of body k.
+  Eigen::Vector3d momentOf(const Vector6d& wrench, std::size_t k) const;
 };
 
 /// The common part. @param samples  for the first and last stamp and the first temperature. @param other_columns  names of their further
