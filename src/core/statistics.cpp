@@ -12,6 +12,22 @@
 #include "poecal/core/error.hpp"
 
 namespace poecal {
+namespace {
+
+/// Ranks from 0, equal values at the mean of theirs.
+std::vector<double> ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&values](std::size_t i, std::size_t j) { return values[i] < values[j]; });
+  std::vector<double> all(values.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
+    for (std::size_t i = begin; i < end; ++i) all[order[i]] = 0.5 * static_cast<double>(begin + end - 1);
+  }
+  return all;
+}
+
+}  // namespace
 
 double quantile(std::vector<double> values, double p) {
   if (values.empty()) throw InvalidArgument("quantile of no values");
@@ -41,6 +57,21 @@ double rms(const std::vector<double>& values) {
 double mean(const std::vector<double>& values) {
   if (values.empty()) return 0.0;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double rankCorrelation(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() != b.size()) throw InvalidArgument("rank correlation of samples of different lengths");
+  const std::vector<double> ranks_a = ranks(a), ranks_b = ranks(b);
+  const double center = mean(ranks_a);  // as that of the other: n numbers have the same ranks in all
+  double product = 0.0, square_a = 0.0, square_b = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double da = ranks_a[i] - center, db = ranks_b[i] - center;
+    product += da * db;
+    square_a += da * da;
+    square_b += db * db;
+  }
+  const double scale = std::sqrt(square_a * square_b);
+  return scale > 0.0 ? product / scale : 0.0;
 }
 
 double chiSquareTail(double x, double dof) {

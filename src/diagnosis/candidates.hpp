@@ -78,6 +78,8 @@ struct Candidate {
 struct CandidateList {
   std::vector<Candidate> candidates;
   std::vector<NotTestable> not_testable;
+  /// The joint whose readings the capture went through in order, so that time and this joint drive alike; nothing where there is none.
+  std::optional<std::size_t> ordered_by;
 };
 
 CandidateList allCandidates(const MeasuredCell& measured, const ModelState& state);

@@ -184,16 +184,31 @@ void shareUntested(const Selection& selection, Finding& finding) {
   sharing.share(ways);
 }
 
-/// A compliance of unknown masses: the link before the joint, which bends with the same moments about the same axis.
+/// A compliance of unknown masses: the joint and the link before it bend with the same moments about the same axis; and so does the base
+/// where that is the first link, which mostly stands upright.
 void shareMasses(const Selection& selection, std::size_t joint, Finding& finding) {
   if (joint == 0 || !selection.measured.start.arm->links.empty()) return;
   constexpr double kSame = 0.9;
   Sharing sharing{finding};
-  if (finding.effect == "joint_compliance") sharing.add("link_bending", fmt::format("link:{}", joint), "gravity", kSame);
-  if (finding.effect == "link_bending")
-    sharing.add("joint_compliance", fmt::format("joint:{}", joint + 1), fmt::format("tau{}", joint + 1), kSame);
-  if (finding.effect == "base_compliance") sharing.add("joint_compliance", "joint:2", "tau2", kSame);
+  const auto share = [&](const char* effect, const std::string& location, const std::string& driver) {
+    if (finding.effect != effect) sharing.add(effect, location, driver, kSame);
+  };
+  const bool any = joint < selection.measured.start.arm->joints.size();  // after the last link there is none
+  if (any) share("joint_compliance", fmt::format("joint:{}", joint + 1), fmt::format("tau{}", joint + 1));
+  share("link_bending", fmt::format("link:{}", joint), "gravity");
+  if (joint == 1 && finding.effect != "joint_compliance") share("base_compliance", "base", "gravity");
   sharing.share("state the links' masses in the robot's file");
+}
+
+/// What a joint drives at a mount, where the capture went through its readings in order: time drives the same.
+void shareTime(const Selection& selection, Finding& finding) {
+  if (!selection.ordered_by) return;
+  const std::string reading = fmt::format("q{}", *selection.ordered_by + 1);
+  if (finding.driver != reading || finding.location == fmt::format("joint:{}", *selection.ordered_by + 1)) return;
+  constexpr double kSame = 0.9;
+  Sharing sharing{finding};
+  sharing.add(kUnknownEffect, finding.location, "stamp", kSame);
+  sharing.share(fmt::format("poses in an order that does not follow {}, and record stamp", reading));
 }
 
 /// Structure that was taken before a joint that moves at random: what it does not follow of the joint's errors speaks for the other as much
@@ -243,7 +258,10 @@ void addLookAlikes(const Selection& selection, const FoundEffect& found, const R
     const bool link = effect.name() == "link_bending";
     shareMasses(selection, effect.name() == "base_compliance" ? 1 : effect.index() + (link ? 1 : 0), finding);
   }
-  if (found.accepted && !found.accepted->candidate.known()) shareStructure(finding);
+  if (found.accepted && !found.accepted->candidate.known()) {
+    shareStructure(finding);
+    shareTime(selection, finding);
+  }
   if (!found.scatter) shareUntested(selection, finding);
 }
 

@@ -20,6 +20,7 @@ void SearchState::listCandidates() {
                 [this](const Candidate& candidate) { return candidate.known() && limits_.refused.contains(candidate.answer()); });
   selection.candidates = std::move(list.candidates);
   selection.not_testable = std::move(list.not_testable);
+  selection.ordered_by = list.ordered_by;
 }
 
 std::vector<Accepted> SearchState::accepted(std::optional<std::size_t> without) const {

@@ -27,6 +27,16 @@ TEST(Statistics, RobustSigmaOfANormalSampleWithWildValues) {
   EXPECT_LT(robustSigma(sample), 2.5);
 }
 
+TEST(Statistics, RankCorrelationKnowsOrderAlone) {
+  EXPECT_NEAR(rankCorrelation({1.0, 2.0, 4.0, 8.0}, {-3.0, 0.0, 0.1, 100.0}), 1.0, 1e-15);
+  EXPECT_NEAR(rankCorrelation({1.0, 2.0, 4.0, 8.0}, {5.0, 4.0, 3.0, 2.0}), -1.0, 1e-15);
+  // Two equal values share ranks 2 and 3: 8 / sqrt(10 * 9.5).
+  EXPECT_NEAR(rankCorrelation({1.0, 2.0, 3.0, 4.0, 5.0}, {5.0, 6.0, 7.0, 8.0, 7.0}), 8.0 / std::sqrt(95.0), 1e-15);
+  EXPECT_EQ(rankCorrelation({1.0, 2.0}, {3.0, 3.0}), 0.0);
+  EXPECT_THROW(rankCorrelation({1.0}, {1.0, 2.0}), InvalidArgument);
+  EXPECT_EQ(rankCorrelation({}, {}), 0.0);
+}
+
 // Values from the tables of Abramowitz and Stegun (26.8, 26.9, 26.10).
 TEST(Statistics, TailsMatchPrintedTables) {
   EXPECT_NEAR(chiSquareTail(3.84146, 1), 0.05, 1e-6);

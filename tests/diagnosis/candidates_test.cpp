@@ -67,6 +67,30 @@ TEST(MassErrors, ExplainNothingWithoutACompliance) {
   EXPECT_GT(both, evidenceOf(S, u, bending).log_bayes + 40.0);  // 10^2 / 2, less what the prior takes
 }
 
+// A scan, row by row: joint 1 steps on after each row, joint 2 goes to and fro in it. Whatever changes with time then changes with joint 1.
+TEST(Curves, OfTimeAreNoneWhereTheRowsFollowAJoint) {
+  Listed made = listed(60);
+  const auto driven = [&made](const std::string& driver, PlaceKind place) {
+    const CandidateList list = allCandidates(made.measured, {CellState(made.measured.start, made.measured.free), {}});
+    return std::count_if(list.candidates.begin(), list.candidates.end(),
+                         [&](const Candidate& candidate) { return candidate.driver.name() == driver && candidate.place.kind == place; });
+  };
+  made.measured.timed = false;
+  for (std::size_t k = 0; k < made.measured.samples.size(); ++k) made.measured.samples[k].stamp = static_cast<double>(k);
+  EXPECT_GT(driven("stamp", PlaceKind::kCameraMount), 0);
+  EXPECT_EQ(driven("q1", PlaceKind::kCameraMount), 0);
+  for (std::size_t k = 0; k < made.measured.samples.size(); ++k) {
+    made.measured.samples[k].q(0) = 0.1 * static_cast<double>(k / 6);
+    made.measured.samples[k].q(1) = 0.3 * static_cast<double>(k % 6);
+  }
+  EXPECT_EQ(driven("stamp", PlaceKind::kCameraMount), 0);
+  EXPECT_EQ(driven("stamp", PlaceKind::kJoint), 0);
+  EXPECT_EQ(driven("q1", PlaceKind::kCameraMount), 1);
+  // Times that were recorded tell a slip, which is no smooth change; the order of the rows is no time.
+  made.measured.timed = true;
+  EXPECT_GT(driven("stamp", PlaceKind::kCameraMount), 0);
+}
+
 TEST(SlipTimes, AreAllTriedAroundTheBest) {
   const Listed made = listed(200);
   const std::vector<Candidate> tried = ofAnswer(made, "joint_slip@joint:3/stamp");

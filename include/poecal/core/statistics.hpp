@@ -15,6 +15,9 @@ double robustSigma(const std::vector<double>& values);
 /// sqrt(sum x^2 / N); 0 for an empty sample.
 double rms(const std::vector<double>& values);
 double mean(const std::vector<double>& values);
+/// Spearman's rank correlation of two samples, equal values at their mean rank; 0 where one of them is constant,
+/// or both are empty. @throws InvalidArgument if they differ in length.
+double rankCorrelation(const std::vector<double>& a, const std::vector<double>& b);
 
 /// P(X > x) for X ~ chi-square with `dof` degrees of freedom.
 double chiSquareTail(double x, double dof);
