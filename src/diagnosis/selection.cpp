@@ -127,7 +127,7 @@ class Selector {
         Ranking ranking = search_.ranked(others, i);
         const FoundEffect& now = selection_.findings[i];
         const std::size_t chosen = chosenFor(now, ranking);
-        if (chosen == ranking.answers.size()) continue;
+        if (chosen == ranking.answers.size() || holdsBesideStructure(i, ranking, chosen)) continue;
         const RankedAnswer& best = ranking.answers[chosen];
         const bool waves = best.candidate && best.candidate->isWaves() && isWaves(now);
         const bool same = best.name == now.name && best.place == now.place && (best.driver == now.driver || waves);
@@ -151,6 +151,26 @@ class Selector {
       }
       if (!changed) break;
     }
+  }
+
+  /// Whether a finding with a name keeps its name and its odds beside structure that was found later. That was chosen beside the name, and
+  /// what it did not follow would count for or against others: they were weighed without it.
+  bool holdsBesideStructure(std::size_t i, const Ranking& ranking, std::size_t chosen) const {
+    const FoundEffect& now = selection_.findings[i];
+    if (now.scatter || now.isUnknown()) return false;
+    // What a curve was taken apart into was weighed against the curve, which is no rival of it beside the rest.
+    const std::vector<RankedAnswer>& before = now.ranking.answers;
+    if (std::any_of(before.begin(), before.end(), [&](const auto& other) { return other.log_weight > before.front().log_weight; }))
+      return false;
+    const auto later = selection_.findings.begin() + static_cast<std::ptrdiff_t>(i) + 1;
+    if (std::none_of(later, selection_.findings.end(), [](const FoundEffect& found) { return found.isUnknown(); })) return false;
+    const auto same = std::find_if(ranking.answers.begin(), ranking.answers.end(), [&now](const RankedAnswer& answer) {
+      return answer.name == now.name && answer.place == now.place && answer.driver == now.driver;
+    });
+    if (same == ranking.answers.end() || !(same->log_weight > kSearch.needed)) return false;
+    const RankedAnswer& best = ranking.answers[chosen];
+    const bool named = best.candidate && best.candidate->known();
+    return named && best.log_weight - same->log_weight < kSearch.beside_unknown;
   }
 
   /// Whether the fit without a finding is worse by more than chance, though its linearisation does not show the finding: the others went

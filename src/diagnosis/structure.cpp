@@ -179,9 +179,18 @@ std::size_t namesThatMayHide(const FoundEffect& found) {
   return single && terms.size() >= 2 && terms.size() <= kMost ? terms.size() : 0;
 }
 
+bool isMount(const Place& place) { return place.kind == PlaceKind::kCameraMount || place.kind == PlaceKind::kTargetMount; }
+
+/// Whether what happens at a place could be a part of what some structure does: at the same place; or of what a joint drives at a mount,
+/// which moves whichever way the joint does.
+bool isSeenAt(const FoundEffect& structure, const Place& place, const Driver& driver) {
+  return place == structure.place || (isMount(structure.place) && driver.isPosture() && driver == structure.driver);
+}
+
 /// Whether an effect with a name explains enough of what some structure does to be a part of it.
 bool isPartOf(const RankedAnswer& answer, const FoundEffect& structure) {
-  return answer.candidate && answer.candidate->known() && answer.place == structure.place && answer.log_weight > kSearch.needed;
+  return answer.candidate && answer.candidate->known() && isSeenAt(structure, answer.place, answer.driver) &&
+         answer.log_weight > kSearch.needed;
 }
 
 /// Whether effects with names may be a part of it. A curve of time takes whatever grows with time to pieces.
@@ -198,16 +207,20 @@ bool includes(const Driver& driver, const Driver& other) {
   return ("," + driver.name() + ",").find("," + other.name() + ",") != std::string::npos;
 }
 
-/// Whether structure beside an effect is its own shape, which then has no name: what the effect's own driver drives, alone or with others.
-/// A lens has many numbers, and several of them are often wrong.
-bool isOwnShape(const Driver& structure, const FoundEffect& named) {
-  return named.place.kind != PlaceKind::kCameraLens && includes(structure, named.driver);
+/// Whether structure beside an effect is its own shape, which then has no name: what the effect's own driver drives alone, or whatever of
+/// several joints may hold that. A lens has many numbers, and several of them are often wrong.
+bool isOwnShape(const Candidate& structure, const FoundEffect& named) {
+  if (structure.place != named.place || named.place.kind == PlaceKind::kCameraLens) return false;
+  if (!includes(structure.driver, named.driver)) return false;
+  if (!structure.isWaves()) return true;
+  const std::vector<AngleWave>& terms = structure.curve->terms;
+  return std::any_of(terms.begin(), terms.end(), [&named](const AngleWave& wave) { return Driver(driversOf({wave})) == named.driver; });
 }
 
-/// Whether an answer is structure beside an effect at its place.
-bool isRestBeside(const FoundEffect& named, const RankedAnswer& answer) {
-  return answer.candidate && !answer.candidate->known() && answer.place == named.place && answer.log_weight > kSearch.needed &&
-         !isOwnShape(answer.driver, named);
+/// Whether an answer is what some structure leaves beside an effect that is a part of it.
+bool isRestBeside(const FoundEffect& named, const FoundEffect& structure, const RankedAnswer& answer) {
+  return answer.candidate && !answer.candidate->known() && answer.place == structure.place && answer.log_weight > kSearch.needed &&
+         !isOwnShape(*answer.candidate, named);
 }
 
 }  // namespace
@@ -306,13 +319,13 @@ bool nameWhatHasAName(SearchState& search, std::size_t number) {
     search.add(ranking, static_cast<std::size_t>(named - ranking.answers.begin()));
     ranking = search.ranked();
     const auto rest = std::find_if(ranking.answers.begin(), ranking.answers.end(),
-                                   [&findings](const RankedAnswer& answer) { return isRestBeside(findings.back(), answer); });
+                                   [&](const RankedAnswer& answer) { return isRestBeside(findings.back(), whole, answer); });
     if (rest == ranking.answers.end()) break;
     const std::vector<FoundEffect> names = findings;
     search.add(ranking, static_cast<std::size_t>(rest - ranking.answers.begin()));
     growStructure(search);
     const double weight = search.linear.logLikelihood() + shares + fittedShare(findings.back().accepted->candidate);
-    if (!isOwnShape(findings.back().driver, names.back()) && weight > best_weight + kSearch.structure) {
+    if (!isOwnShape(findings.back().accepted->candidate, names.back()) && weight > best_weight + kSearch.structure) {
       best_weight = weight;
       best = findings;
     }

@@ -66,6 +66,20 @@ TEST(Selection, ANameIsFoundInsideTheStructureOfItsJoint) {
   EXPECT_THAT(namesOf(selection), ::testing::UnorderedElementsAre("joint_gain@joint:3", "unknown@joint:3"));
 }
 
+// The wave hangs on the reading that leaks too, with another joint's: it is no shape of the leak, which is proportional to it.
+TEST(Selection, ANameIsFoundBesideAWaveOfItsOwnDriver) {
+  test::SmallCell small = test::smallCell(56, kPoses, kSigma, {});
+  test::observeWith(
+      small, 2, [](const Eigen::VectorXd& q) { return 4e-3 * q(4) + 6e-4 * std::sin(2.0 * q(0) + 3.0 * q(4)); }, kSigma);
+  const MeasuredCell measured = small.measured();
+  const Selection selection = selectEffects(measured, test::nominalState(measured), {}, {});
+  EXPECT_THAT(namesOf(selection), ::testing::UnorderedElementsAre("joint_coupling@joint:3", "unknown@joint:3"));
+  for (const FoundEffect& found : selection.findings) {
+    const auto& answers = found.ranking.answers;
+    for (const RankedAnswer& other : answers) EXPECT_LE(other.log_weight, answers.front().log_weight) << found.name << ": " << other.name;
+  }
+}
+
 TEST(Selection, ANameThatIsRefusedIsNotGiven) {
   const MeasuredCell measured = test::smallCell(51, kPoses, kSigma, kTwo).measured();
   const ModelState state = test::nominalState(measured);
