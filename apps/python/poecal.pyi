@@ -600,6 +600,8 @@ class Finding:
     alternatives: Final[tuple[AlternativeCause, ...]]
     separate_with: Final[str]
     reference: Final[str]
+    largest_deflection: Final[float | None]
+    largest_deflection_deviation: Final[float | None]
     remedy: Final[str]
     images: Final[tuple[str, ...]]
 

@@ -146,6 +146,8 @@ void bindFindings(py::module_& module) {
       .result("alternatives", &Finding::alternatives)
       .result("separate_with", &Finding::separate_with)
       .result("reference", &Finding::reference)
+      .result("largest_deflection", &Finding::largest_deflection)
+      .result("largest_deflection_deviation", &Finding::largest_deflection_deviation)
       .result("remedy", &Finding::remedy)
       .result("images", &Finding::images);
 }

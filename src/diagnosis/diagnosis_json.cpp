@@ -78,6 +78,7 @@ Json findingJson(const Finding& finding) {
             {"separate_with", finding.separate_with},
             {"remedy", finding.remedy}};
   if (finding.largest_deflection) json["largest_deflection_mrad"] = 1e3 * *finding.largest_deflection;
+  if (finding.largest_deflection_deviation) json["largest_deflection_deviation_mrad"] = 1e3 * *finding.largest_deflection_deviation;
   if (!finding.reference.empty()) json["reference"] = finding.reference;
   if (!finding.images.empty()) json["samples"] = finding.images;
   return json;

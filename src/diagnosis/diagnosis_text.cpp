@@ -86,7 +86,8 @@ std::string findingText(const Diagnosis& diagnosis, const Finding& finding) {
   text += fmt::format("  which: {}: {} ({})\n", finding.effect, meaning(finding.effect), surenessText(finding.probability));
   if (!finding.parameters.empty() && finding.parameters.size() <= kMostSizes) text += fmt::format("         {}\n", sizes(finding));
   if (finding.largest_deflection) {
-    text += fmt::format("         largest deflection over these poses {:.3f} mrad\n", 1e3 * *finding.largest_deflection);
+    text += fmt::format("         largest deflection over these poses {:.3f} +- {:.3f} mrad\n", 1e3 * *finding.largest_deflection,
+                        1e3 * finding.largest_deflection_deviation.value_or(0.0));
   }
   if (!finding.images.empty()) {
     constexpr std::size_t kShown = 10;

@@ -64,14 +64,19 @@ std::vector<Eigen::VectorXd> factorDeviations(const Selection& selection) {
   return all;
 }
 
-double factorsChiSquare(const Selection& selection, std::size_t finding) {
+Eigen::MatrixXd factorCovariance(const Selection& selection, std::size_t finding) {
   Eigen::Index begin = selection.linear.rows.J.cols();
   for (std::size_t i = 0; i < finding; ++i) {
     if (selection.findings[i].accepted) begin += selection.findings[i].accepted->factors.size();
   }
+  const Eigen::Index count = selection.findings[finding].accepted->factors.size();
+  return selection.linear.noise.covariance.block(begin, begin, count, count);
+}
+
+double factorsChiSquare(const Selection& selection, std::size_t finding) {
   const Accepted& one = *selection.findings[finding].accepted;
   const Eigen::Index count = one.factors.size();
-  const Eigen::MatrixXd covariance = selection.linear.noise.covariance.block(begin, begin, count, count);
+  const Eigen::MatrixXd covariance = factorCovariance(selection, finding);
   const Eigen::VectorXd d = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> correlation(d.asDiagonal() * covariance * d.asDiagonal());
   const Eigen::VectorXd along = correlation.eigenvectors().transpose() * d.cwiseProduct(one.factors);

@@ -11,6 +11,9 @@ namespace poecal {
 /// Sample deviations of the factors of each accepted effect, from the covariance of the last fit.
 std::vector<Eigen::VectorXd> factorDeviations(const Selection& selection);
 
+/// Covariance of a finding's factors from the last fit. The finding is an accepted effect.
+Eigen::MatrixXd factorCovariance(const Selection& selection, std::size_t finding);
+
 /// b' C^-1 b of a finding's factors: how far all of them together are from nothing.
 double factorsChiSquare(const Selection& selection, std::size_t finding);
 

@@ -103,20 +103,29 @@ std::vector<Candidate> curvesOf(const Selection& selection) {
   return curves;
 }
 
-/// Of a compliance: the most that it turns or shifts its place over the poses of the capture.
-std::optional<double> largestDeflection(const Selection& selection, const Accepted& accepted) {
+/// Of a compliance: the most that it turns or shifts its place over the poses of the capture, and its standard deviation, which is large
+/// where unknown masses cancel each other in what the arm's axes do too.
+void fillDeflection(const Selection& selection, std::size_t number, Finding& finding) {
+  const Accepted& accepted = *selection.findings[number].accepted;
   const Candidate& candidate = accepted.candidate;
-  if (!candidate.known() || !candidate.effect->kind().yields_to_gravity) return {};
-  const bool joint = candidate.entry().reach == Reach::kJoint;
-  const Eigen::VectorXd action =
-      actionsOf(candidate, selection.linear.rows, 0, selection.linear.rows.observations.size()) * accepted.factors;
-  if (joint) return action.cwiseAbs().maxCoeff();
-  double most = 0.0;  // of the turning parts (w; v) of the target's pose
-  for (Eigen::Index row = 0; row + 6 <= action.size(); row += 6) most = std::max(most, action.segment<3>(row).norm());
-  return most;
+  if (!candidate.known() || !candidate.effect->kind().yields_to_gravity) return;
+  // The turning parts (w; v) of the target's pose, or the joint's reading.
+  const Eigen::Index size = candidate.entry().reach == Reach::kJoint ? 1 : 6, turning = std::min<Eigen::Index>(size, 3);
+  const Eigen::MatrixXd actions = actionsOf(candidate, selection.linear.rows, 0, selection.linear.rows.observations.size());
+  Eigen::RowVectorXd most = Eigen::RowVectorXd::Zero(actions.cols());  // the largest one's length by the factors
+  double largest = 0.0;
+  for (Eigen::Index row = 0; row + size <= actions.rows(); row += size) {
+    const Eigen::VectorXd deflection = actions.middleRows(row, turning) * accepted.factors;
+    if (!(deflection.norm() > largest)) continue;
+    largest = deflection.norm();
+    most = deflection.normalized().transpose() * actions.middleRows(row, turning);
+  }
+  finding.largest_deflection = largest;
+  finding.largest_deflection_deviation = std::sqrt(std::max(0.0, most.dot(factorCovariance(selection, number) * most.transpose())));
 }
 
-Finding findingOf(const Selection& selection, const FoundEffect& found, const Eigen::VectorXd& deviation) {
+Finding findingOf(const Selection& selection, std::size_t number, const Eigen::VectorXd& deviation) {
+  const FoundEffect& found = selection.findings[number];
   Finding finding{.effect = found.name, .location = found.place.name(), .driver = found.driver.name()};
   finding.log_evidence = found.log_bayes;
   finding.chi_square = found.chi_square;
@@ -125,7 +134,7 @@ Finding findingOf(const Selection& selection, const FoundEffect& found, const Ei
     finding.parameters["sigma"] = scatterSigma(selection, found);
     finding.units["sigma"] = selection.measured.start.arm->joints[*found.scatter].type == JointType::kRevolute ? "rad" : "m";
   }
-  if (found.accepted) finding.largest_deflection = largestDeflection(selection, *found.accepted);
+  if (found.accepted) fillDeflection(selection, number, finding);
   fillAlternatives(found.ranking, finding);
   if (const EffectKind* kind = findEffectKind(found.name)) finding.remedy = kind->remedy;
   if (found.accepted && found.place.kind == PlaceKind::kCameraMount && !selection.linear.reference.empty()) {
@@ -146,8 +155,9 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order) {
   diagnosis.pixels = selection.measured.start.camera.has_value();
   const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
   std::size_t next = 0;
-  for (const FoundEffect& found : selection.findings) {
-    diagnosis.findings.push_back(findingOf(selection, found, found.accepted ? deviations[next++] : Eigen::VectorXd()));
+  for (std::size_t i = 0; i < selection.findings.size(); ++i) {
+    const FoundEffect& found = selection.findings[i];
+    diagnosis.findings.push_back(findingOf(selection, i, found.accepted ? deviations[next++] : Eigen::VectorXd()));
     addLookAlikes(selection, found, row_order, diagnosis.findings.back());
   }
   return diagnosis;

@@ -80,6 +80,7 @@ struct Finding {
   std::string reference = {};
   /// Compliances: largest turn [rad] or shift [m] that it makes over the capture's poses.
   std::optional<double> largest_deflection = {};
+  std::optional<double> largest_deflection_deviation = {};  ///< its standard deviation
   std::vector<std::string> images = {};  ///< bad_samples: which
 };
 
