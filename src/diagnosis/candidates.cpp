@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "diagnosis/curve_candidates.hpp"
+#include "diagnosis/mass_belief.hpp"
 #include "diagnosis/thresholds.hpp"
 #include "effects/mass_layout.hpp"
 
@@ -19,16 +20,17 @@ namespace {
 constexpr int kHighestOrder = 200;  // teeth of a gear: strain waves and planets stay below
 constexpr std::size_t kMostSlipTimes = 60;
 
-/// Times between samples that follow each other, with a few samples on either side.
-std::vector<double> slipTimes(const std::vector<Sample>& samples) {
+/// Times between samples that follow each other, with as many samples on either side as the slip has numbers, and a few at least: with
+/// fewer it is not told from rows that are wrong.
+std::vector<double> slipTimes(const std::vector<Sample>& samples, std::size_t numbers) {
   std::vector<double> stamps;
   for (const Sample& sample : samples) {
     if (sample.stamp) stamps.push_back(*sample.stamp);
   }
   std::sort(stamps.begin(), stamps.end());
   std::vector<double> between;
-  constexpr std::size_t kLeast = 3;
-  for (std::size_t k = kLeast; k + kLeast <= stamps.size(); ++k) {
+  const std::size_t least = std::max<std::size_t>(3, numbers);
+  for (std::size_t k = least; k + least <= stamps.size(); ++k) {
     if (stamps[k] > stamps[k - 1]) between.push_back(0.5 * (stamps[k] + stamps[k - 1]));
   }
   return between;
@@ -60,10 +62,11 @@ std::vector<std::pair<double, double>> harmonicOrders() {
 }
 
 /// Values to try of an effect's scanned parameter, with their shares.
-std::vector<std::pair<double, double>> scanned(const EffectParameter& parameter, const std::vector<Sample>& samples) {
+/// @param numbers  linear parameters beside it.
+std::vector<std::pair<double, double>> scanned(const EffectParameter& parameter, std::size_t numbers, const std::vector<Sample>& samples) {
   if (parameter.role == ParameterRole::kOrder) return harmonicOrders();
   std::vector<std::pair<double, double>> values;
-  const std::vector<double> times = slipTimes(samples);
+  const std::vector<double> times = slipTimes(samples, numbers);
   const std::vector<std::size_t> tried = triedTimes(times.size());
   for (const std::size_t k : tried) values.emplace_back(times[k], 1.0 / static_cast<double>(tried.size()));
   return values;
@@ -119,11 +122,18 @@ void addNamed(const CaptureContext& capture, const Effect& effect, double share,
   candidate.log_prior = std::log(share);
   addMassErrors(capture.cell, candidate);
   const std::optional<std::size_t> scan = scannedParameter(effect);
+  if (effect.byMasses()) {
+    // Masses as arms have them; or, since springs and counterweights carry some of them, any that gravity could have. Both are weighed, as
+    // two ways to one answer.
+    candidate.log_prior -= std::numbers::ln2;
+    candidates.push_back(candidate);
+    believeMasses(capture.cell, candidate);
+  }
   if (!scan) {
     candidates.push_back(std::move(candidate));
     return;
   }
-  for (const auto& [value, part] : scanned(effect.parameters()[*scan], samples)) {
+  for (const auto& [value, part] : scanned(effect.parameters()[*scan], candidate.linear.size(), samples)) {
     candidate.parameters(static_cast<Eigen::Index>(*scan)) = value;
     candidate.log_prior = std::log(share * part);
     candidates.push_back(candidate);
@@ -160,6 +170,7 @@ class EffectActions {
     }
     Eigen::Index column = 0;
     for (const Eigen::Index i : candidate_.linear) add(*candidate_.effect, i, candidate_.parameters, part, action.col(column++));
+    if (candidate_.to_parameters.size() > 0) action = (action * candidate_.to_parameters).eval();
     if (!candidate_.mass_errors) return;
     const Eigen::VectorXd& none = candidate_.mass_errors->start();
     for (Eigen::Index i = 0; i < none.size(); ++i) add(*candidate_.mass_errors, i, none, part, action.col(column++));
@@ -276,12 +287,17 @@ std::optional<Eigen::Index> Candidate::slipTime() const {
   return static_cast<Eigen::Index>(*scan);
 }
 
+Eigen::VectorXd Candidate::linearParameters(const Eigen::VectorXd& factors) const {
+  if (to_parameters.size() > 0) return to_parameters * factors;
+  return factors.head(static_cast<Eigen::Index>(linear.size()));
+}
+
 bool Candidate::isPositive() const { return known() && effect->kind().yields_to_gravity && !effect->byMasses(); }
 
 std::vector<Candidate> untriedTimes(const Candidate& slip, const std::vector<Sample>& samples) {
   const std::optional<Eigen::Index> time = slip.slipTime();
   if (!time) return {};
-  const std::vector<double> times = slipTimes(samples);
+  const std::vector<double> times = slipTimes(samples, slip.linear.size());
   const std::vector<std::size_t> tried = triedTimes(times.size());
   const auto at = std::find_if(tried.begin(), tried.end(), [&](std::size_t k) { return times[k] == slip.parameters(*time); });
   if (at == tried.end()) return {};

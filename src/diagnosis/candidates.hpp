@@ -40,7 +40,7 @@ inline std::string answerName(const std::string& name, const Place& place, const
   return name + "@" + place.name() + "/" + driver.name();
 }
 
-/// One explanation. Its columns are the derivatives of the rows by its linear parameters.
+/// One explanation. Its columns are the derivatives of the rows by its linear parameters, or by what these are made of.
 struct Candidate {
   std::optional<Effect> effect;  ///< a named one, or
   std::optional<Curve> curve;    ///< an unknown one
@@ -51,6 +51,8 @@ struct Candidate {
   std::vector<Eigen::Index> linear;  ///< effect: which parameters are the first columns
   /// The same effect by unknown masses: what wrongly stated ones leave out, as further columns beside those of the effect.
   std::optional<Effect> mass_errors;
+  /// Linear parameters by the factors of their columns, where these are not the same; empty where they are.
+  Eigen::MatrixXd to_parameters;
   Eigen::VectorXd typical;  ///< 1 sigma of each column's factor on real cells
   double log_prior = 0.0;   ///< share among all explanations
   /// At camera.mount, where the pictures show a reference: whether it is the camera that moves, which moves the reference too, and not the
@@ -70,6 +72,8 @@ struct Candidate {
   /// they leave out is no larger than that share of the compliance that was found.
   /// @param found  size of each own factor, in its unit.
   Eigen::VectorXd spread(double scale, const Eigen::VectorXd& found) const;
+  /// The effect's linear parameters, in their order, by the factors of all columns.
+  Eigen::VectorXd linearParameters(const Eigen::VectorXd& factors) const;
   Entry entry() const;
   /// What is one answer, whatever its scanned parameters.
   std::string answer() const { return answerName(name, place, driver); }

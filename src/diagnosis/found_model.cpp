@@ -53,13 +53,16 @@ std::vector<AppliedEffect> appliedEffects(const Selection& selection, const std:
 
 }  // namespace
 
-std::vector<Eigen::VectorXd> factorDeviations(const Selection& selection) {
+std::vector<Eigen::VectorXd> parameterDeviations(const Selection& selection) {
   std::vector<Eigen::VectorXd> all;
   Eigen::Index begin = selection.linear.rows.J.cols();
-  const Eigen::VectorXd deviation = selection.linear.noise.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   for (const Accepted& one : selection.linear.accepted) {
-    all.push_back(deviation.segment(begin, one.factors.size()));
-    begin += one.factors.size();
+    const Eigen::Index count = one.factors.size();
+    const Eigen::MatrixXd& T = one.candidate.to_parameters;
+    const Eigen::MatrixXd covariance = selection.linear.noise.covariance.block(begin, begin, count, count);
+    const Eigen::VectorXd variance = T.size() > 0 ? Eigen::VectorXd((T * covariance * T.transpose()).diagonal()) : covariance.diagonal();
+    all.push_back(variance.cwiseMax(0.0).cwiseSqrt());
+    begin += count;
   }
   return all;
 }
@@ -99,7 +102,7 @@ void tellModel(const Selection& selection, const Identification& identification,
   const ModelState& state = selection.linear.state;
   diagnosis.model.cell = state.cell.cell;
   if (!selection.measured.target.points.empty()) diagnosis.model.target = selection.measured.target;
-  diagnosis.model.effects = appliedEffects(selection, factorDeviations(selection));
+  diagnosis.model.effects = appliedEffects(selection, parameterDeviations(selection));
   const MeasuredCell& measured = selection.measured;
   const ParameterLayout layout(state.cell.cell, measured.free);
   const Eigen::MatrixXd& covariance = selection.linear.noise.covariance;

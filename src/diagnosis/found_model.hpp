@@ -8,8 +8,9 @@
 
 namespace poecal {
 
-/// Sample deviations of the factors of each accepted effect, from the covariance of the last fit.
-std::vector<Eigen::VectorXd> factorDeviations(const Selection& selection);
+/// Standard deviations of the linear parameters of each accepted effect, or of its curve's factors, and after them those of its mass
+/// errors, from the covariance of the last fit.
+std::vector<Eigen::VectorXd> parameterDeviations(const Selection& selection);
 
 /// Covariance of a finding's factors from the last fit. The finding is an accepted effect.
 Eigen::MatrixXd factorCovariance(const Selection& selection, std::size_t finding);

@@ -65,7 +65,6 @@ class Ranker {
     sort(ranking);
     progress.advance();
     weighAgain(linear, ranking, taken.empty() && leavesPlacesOpen(linear));
-    preferNames(ranking);
     sort(ranking);
     progress.advance();
     ranking.sumUp();
@@ -169,19 +168,6 @@ class Ranker {
   static void sort(Ranking& ranking) {
     std::stable_sort(ranking.answers.begin(), ranking.answers.end(),
                      [](const RankedAnswer& a, const RankedAnswer& b) { return a.log_weight > b.log_weight; });
-  }
-
-  /// Whoever would have a curve in place of a name that does its work there has to offer odds of 20. Gravity's torque on an arm of unknown
-  /// masses is a name of many numbers, which a wave of two joints does without.
-  static void preferNames(Ranking& ranking) {
-    for (RankedAnswer& curve : ranking.answers) {
-      if (!curve.candidate || curve.candidate->known()) continue;
-      const bool named = std::any_of(ranking.answers.begin(), ranking.answers.end(), [&curve](const RankedAnswer& other) {
-        return other.exact && other.candidate->known() && other.place == curve.place &&
-               other.log_weight > std::max(kSearch.needed, curve.log_weight - kSearch.structure);
-      });
-      if (named) curve.log_weight -= kSearch.structure;
-    }
   }
 
   /// Whether the capture does not tell within centimetres where the target is on the flange, as no arm does whose axes are parallel.

@@ -43,8 +43,9 @@ bool isWorse(const Linearised& here, const FitPoint& before) {
 
 /// An accepted effect's factors as parameters of the effect.
 void enter(const Accepted& one, Eigen::VectorXd& parameters) {
+  const Eigen::VectorXd linear = one.candidate.linearParameters(one.factors);
   for (std::size_t i = 0; i < one.candidate.linear.size(); ++i) {
-    parameters(one.candidate.linear[i]) = one.factors(static_cast<Eigen::Index>(i));
+    parameters(one.candidate.linear[i]) = linear(static_cast<Eigen::Index>(i));
   }
 }
 

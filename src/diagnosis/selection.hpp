@@ -31,7 +31,7 @@ struct Selection {
   std::vector<FoundEffect> findings;
   std::vector<Candidate> candidates;
   std::vector<NotTestable> not_testable;
-  std::optional<std::size_t> ordered_by;  ///< CandidateList::ordered_by
+  std::optional<std::size_t> ordered_by;   ///< CandidateList::ordered_by
   Ranking base_ranking;                    ///< of all answers, nothing found yet
   std::vector<Candidate> base_candidates;  ///< those that there were when nothing was found yet
   std::vector<Evidence> base_evidence;     ///< of them, then

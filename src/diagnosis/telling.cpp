@@ -67,9 +67,10 @@ void fillParameters(const Accepted& accepted, const Eigen::VectorXd& deviation, 
     finding.parameters[parameters[i].name] = candidate.parameters(static_cast<Eigen::Index>(i));
     finding.units[parameters[i].name] = parameters[i].unit;
   }
+  const Eigen::VectorXd linear = candidate.linearParameters(accepted.factors);
   for (std::size_t i = 0; i < candidate.linear.size(); ++i) {
     const std::string& name = parameters[static_cast<std::size_t>(candidate.linear[i])].name;
-    finding.parameters[name] = accepted.factors(static_cast<Eigen::Index>(i));
+    finding.parameters[name] = linear(static_cast<Eigen::Index>(i));
     finding.standard_deviation[name] = deviation(static_cast<Eigen::Index>(i));
   }
 }
@@ -153,7 +154,7 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order) {
   diagnosis.log_odds = selection.base_ranking.log_total;
   diagnosis.answers = static_cast<int>(selection.candidates.size());
   diagnosis.pixels = selection.measured.start.camera.has_value();
-  const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
+  const std::vector<Eigen::VectorXd> deviations = parameterDeviations(selection);
   std::size_t next = 0;
   for (std::size_t i = 0; i < selection.findings.size(); ++i) {
     const FoundEffect& found = selection.findings[i];

@@ -111,6 +111,32 @@ TEST(SlipTimes, AreAllTriedAroundTheBest) {
   EXPECT_EQ(poses, expected);
 }
 
+// A mount's slip has six numbers, a joint's has one.
+TEST(SlipTimes, LeaveAsManyRowsAsTheSlipHasNumbers) {
+  const Listed made = listed(50);
+  EXPECT_THAT(ofAnswer(made, "joint_slip@joint:3/stamp"), ::testing::SizeIs(50 - 1 - 2 * 2));
+  EXPECT_THAT(ofAnswer(made, "target_slip@target.mount/stamp"), ::testing::SizeIs(50 - 1 - 2 * 5));
+}
+
+// The columns by (m, m d) and the parameters (m, m c) are two ways to one motion of the target.
+TEST(MassBelief, IsAboutTheSameMotions) {
+  test::SmallCell small = test::smallCell(8, 40, 0.1, {});
+  small.nominal.links.clear();
+  const test::Fitted fit = test::fitted(small);
+  for (const Candidate& candidate : allCandidates(fit.measured, fit.linear.state).candidates) {
+    if (candidate.to_parameters.size() == 0) continue;
+    const Eigen::VectorXd factors = candidate.typical;
+    Eigen::VectorXd parameters = candidate.parameters;
+    const Eigen::VectorXd linear = candidate.linearParameters(factors);
+    for (std::size_t i = 0; i < candidate.linear.size(); ++i) parameters(candidate.linear[i]) = linear(static_cast<Eigen::Index>(i));
+    const Eigen::VectorXd rows = columnsOf(candidate, fit.linear.rows) * factors;
+    for (const ObservationRows& part : fit.linear.rows.observations) {
+      const Eigen::VectorXd moved = part.along(disturbanceOf({{*candidate.effect, parameters}}, part.context));
+      EXPECT_LT((rows.segment(part.begin, part.size) - moved).norm(), 1e-9 * (1.0 + moved.norm())) << candidate.answer();
+    }
+  }
+}
+
 TEST(SlipTimes, AreNoneBesideWhereAllAreTried) {
   const Listed made = listed(50);
   EXPECT_THAT(untriedTimes(ofAnswer(made, "joint_slip@joint:3/stamp").at(10), made.measured.samples), IsEmpty());

@@ -53,6 +53,22 @@ TEST(Ranking, AComplianceIsNotNegative) {
   EXPECT_LT(weight(-1e-4), yields - 20.0);
 }
 
+class ComplianceByMasses : public ::testing::TestWithParam<std::uint64_t> {};
+
+// A wave of two joints follows the torque with two numbers, where the compliance has eighteen of masses that nobody stated; what is
+// believed of these makes up for it.
+TEST_P(ComplianceByMasses, IsMoreProbableThanItsWaves) {
+  test::SmallCell small = test::smallCell(GetParam(), 60, kSigma, {{"joint_compliance", "joint:3", {{"compliance", 1e-4}}}});
+  small.nominal.links.clear();
+  const MeasuredCell measured = small.measured();
+  const Linearised linear = refitted(measured);
+  const WaveDictionary waves(*measured.start.arm, measured.samples);
+  const Ranking ranking = rank(measured, allCandidates(measured, linear.state).candidates, &waves, linear, {}, {}, "");
+  EXPECT_GT(weightOf(ranking, "joint_compliance", "joint:3"), weightOf(ranking, "unknown", "joint:3"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, ComplianceByMasses, ::testing::Values(100, 101, 102, 103));
+
 // It moves corners by some ten pixels: weighed at the arm without it, wrong masses of a compliance imitate it.
 TEST(Ranking, ALargeGainAtTheShoulderIsAGain) {
   constexpr std::size_t kSeen = 80;

@@ -146,7 +146,7 @@ TEST(FoundModel, DeviationsAreThoseOfTheEstimates) {
     const Selection selection = selectEffects(measured, test::nominalState(measured), {}, {.most = 1});
     ASSERT_EQ(std::vector<std::string>{selection.findings.front().name + "@" + selection.findings.front().place.name()},
               std::vector<std::string>{"joint_gain@joint:3"});
-    const std::vector<Eigen::VectorXd> deviations = factorDeviations(selection);
+    const std::vector<Eigen::VectorXd> deviations = parameterDeviations(selection);
     ASSERT_THAT(deviations, SizeIs(1));
     const double off = (selection.findings.front().accepted->factors(0) - kGain) / deviations.front()(0);
     sum += off * off;
