@@ -81,7 +81,7 @@ struct Finding {
   /// Compliances: largest turn [rad] or shift [m] that it makes over the capture's poses.
   std::optional<double> largest_deflection = {};
   std::optional<double> largest_deflection_deviation = {};  ///< its standard deviation
-  std::vector<std::string> images = {};  ///< bad_samples: which
+  std::vector<std::string> images = {};                     ///< bad_samples: which
 };
 
 /// A place and a driver at which what identification left shows structure.
