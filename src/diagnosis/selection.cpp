@@ -104,6 +104,11 @@ class Selector {
     return more;
   }
 
+  /// Whether an answer is what a finding says.
+  static bool isAnswer(const RankedAnswer& answer, const FoundEffect& found) {
+    return answer.name == found.name && answer.place == found.place && answer.driver == found.driver;
+  }
+
   /// The answer that serves best in a finding's place. Structure does not give way to a joint that moves at random, which explains all.
   static std::size_t chosenFor(const FoundEffect& now, const Ranking& ranking) {
     if (ranking.answers.empty()) return 0;
@@ -130,7 +135,7 @@ class Selector {
         if (chosen == ranking.answers.size() || holdsBesideStructure(i, ranking, chosen)) continue;
         const RankedAnswer& best = ranking.answers[chosen];
         const bool waves = best.candidate && best.candidate->isWaves() && isWaves(now);
-        const bool same = best.name == now.name && best.place == now.place && (best.driver == now.driver || waves);
+        const bool same = isAnswer(best, now) || (waves && best.name == now.name && best.place == now.place);
         if (!(best.log_weight > kSearch.needed)) {
           if (isMissed(now, others)) continue;
           selection_.findings.erase(selection_.findings.begin() + static_cast<std::ptrdiff_t>(i));
@@ -164,9 +169,8 @@ class Selector {
       return false;
     const auto later = selection_.findings.begin() + static_cast<std::ptrdiff_t>(i) + 1;
     if (std::none_of(later, selection_.findings.end(), [](const FoundEffect& found) { return found.isUnknown(); })) return false;
-    const auto same = std::find_if(ranking.answers.begin(), ranking.answers.end(), [&now](const RankedAnswer& answer) {
-      return answer.name == now.name && answer.place == now.place && answer.driver == now.driver;
-    });
+    const auto same =
+        std::find_if(ranking.answers.begin(), ranking.answers.end(), [&now](const RankedAnswer& answer) { return isAnswer(answer, now); });
     if (same == ranking.answers.end() || !(same->log_weight > kSearch.needed)) return false;
     const RankedAnswer& best = ranking.answers[chosen];
     const bool named = best.candidate && best.candidate->known();

@@ -56,23 +56,25 @@ TEST(Selection, ALensThatIsWrongInSeveralWaysHasANameForEach) {
   EXPECT_THAT(names, ::testing::UnorderedElementsAre("lens_distortion@camera.lens", "focal_length@camera.lens"));
 }
 
+/// What is found where joint 3 really stands where `error` moves it.
+Selection searchedWith(std::uint64_t seed, const test::JointError& error) {
+  test::SmallCell small = test::smallCell(seed, kPoses, kSigma, {});
+  test::observeWith(small, 2, error, kSigma);
+  const MeasuredCell measured = small.measured();
+  return selectEffects(measured, test::nominalState(measured), {}, {});
+}
+
 // A wave of two other joints is beside it at the same joint; waves alone would follow both.
 TEST(Selection, ANameIsFoundInsideTheStructureOfItsJoint) {
-  test::SmallCell small = test::smallCell(55, kPoses, kSigma, {});
-  test::observeWith(
-      small, 2, [](const Eigen::VectorXd& q) { return 4e-3 * q(2) + 6e-4 * std::sin(2.0 * q(0) + 3.0 * q(3)); }, kSigma);
-  const MeasuredCell measured = small.measured();
-  const Selection selection = selectEffects(measured, test::nominalState(measured), {}, {});
+  const Selection selection =
+      searchedWith(55, [](const Eigen::VectorXd& q) { return 4e-3 * q(2) + 6e-4 * std::sin(2.0 * q(0) + 3.0 * q(3)); });
   EXPECT_THAT(namesOf(selection), ::testing::UnorderedElementsAre("joint_gain@joint:3", "unknown@joint:3"));
 }
 
 // The wave hangs on the reading that leaks too, with another joint's: it is no shape of the leak, which is proportional to it.
 TEST(Selection, ANameIsFoundBesideAWaveOfItsOwnDriver) {
-  test::SmallCell small = test::smallCell(56, kPoses, kSigma, {});
-  test::observeWith(
-      small, 2, [](const Eigen::VectorXd& q) { return 4e-3 * q(4) + 6e-4 * std::sin(2.0 * q(0) + 3.0 * q(4)); }, kSigma);
-  const MeasuredCell measured = small.measured();
-  const Selection selection = selectEffects(measured, test::nominalState(measured), {}, {});
+  const Selection selection =
+      searchedWith(56, [](const Eigen::VectorXd& q) { return 4e-3 * q(4) + 6e-4 * std::sin(2.0 * q(0) + 3.0 * q(4)); });
   EXPECT_THAT(namesOf(selection), ::testing::UnorderedElementsAre("joint_coupling@joint:3", "unknown@joint:3"));
   for (const FoundEffect& found : selection.findings) {
     const auto& answers = found.ranking.answers;
