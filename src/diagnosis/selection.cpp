@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "diagnosis/refit.hpp"
 #include "diagnosis/search_state.hpp"
@@ -70,12 +71,16 @@ class Selector {
     // Explanations that are hard to tell apart speak together for there being something.
     if (!((first ? ranking.log_total : answer.log_weight) > needed)) return false;
     if (answer.scatter && takeStructureBeside(search_, ranking, answer)) return true;
+    const std::size_t others = selection_.findings.size();
     takeUp(search_, ranking, chosen);
-    if (!limits_.curves) return true;
-    preferCurve(search_, ranking, chosen);
-    growStructure(search_);
-    splitIntoNames(search_);
-    nameWhatHasAName(search_, selection_.findings.size() - 1);
+    bool grown = false;
+    if (limits_.curves) {
+      preferCurve(search_, ranking, chosen);
+      grown = growStructure(search_);
+      splitIntoNames(search_);
+      nameWhatHasAName(search_, selection_.findings.size() - 1);
+    }
+    newest_is_weighed_ = !grown && selection_.findings.size() == others + 1 && isAnswer(answer, selection_.findings.back());
     return true;
   }
 
@@ -123,11 +128,13 @@ class Selector {
 
   /// Each finding again beside all others: another answer that serves better takes its place, one that is not needed goes.
   void settle() {
+    bool newest_is_weighed = std::exchange(newest_is_weighed_, false);
     if (selection_.findings.size() < 2) return;
     constexpr int kRounds = 3;
     for (int round = 0; round < kRounds; ++round) {
       bool changed = false;
       for (std::size_t i = 0; i < selection_.findings.size(); ++i) {
+        if (newest_is_weighed && i + 1 == selection_.findings.size()) continue;
         Linearised others = refit(selection_.measured, selection_.base, search_.accepted(i), search_.scatter(i), linear_.noise, {}, true);
         Ranking ranking = search_.ranked(others, i);
         const FoundEffect& now = selection_.findings[i];
@@ -138,6 +145,7 @@ class Selector {
         const bool same = isAnswer(best, now) || (waves && best.name == now.name && best.place == now.place);
         if (!(best.log_weight > kSearch.needed)) {
           if (isMissed(now, others)) continue;
+          newest_is_weighed = false;
           selection_.findings.erase(selection_.findings.begin() + static_cast<std::ptrdiff_t>(i));
           search_.refitAll();
           changed = true;
@@ -150,6 +158,7 @@ class Selector {
         std::swap(next.ranking.answers[0], next.ranking.answers[chosen]);
         selection_.findings[i] = std::move(next);
         if (!same) {
+          newest_is_weighed = false;
           search_.refitAll();
           changed = true;
         }
@@ -270,6 +279,7 @@ class Selector {
   WaveDictionary waves_;
   std::vector<std::size_t> kept_;  ///< numbers in given_ of the observations in selection_.measured
   bool taken_back_ = false;
+  bool newest_is_weighed_ = false;              ///< beside all others as they are: it was taken from that ranking
   std::set<std::vector<std::string>> settled_;  ///< names of the findings that were settled on together
   std::set<std::vector<std::string>> named_;    ///< those in which names were looked for
   SearchLimits limits_;

@@ -92,16 +92,30 @@ Eigen::MatrixXd kernelFactor(const Eigen::MatrixXd& q, const Joints& joints, dou
   return L.leftCols(count);
 }
 
+/// 1/2 (v s'(I + v T)^-1 s - log det(I + v T)) of a tridiagonal T: what a field of variance v explains of the scores s, less its price.
+double logBayesAt(double v, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& beside, const Eigen::VectorXd& s) {
+  double pivot = 1.0, left = 0.0, explained = 0.0, price = 0.0;
+  for (Eigen::Index i = 0; i < diagonal.size(); ++i) {
+    const double off = i == 0 ? 0.0 : v * beside(i - 1);
+    const double ratio = off / pivot;
+    // No less than the identity: what is below is rounding.
+    pivot = std::max(1.0 + v * diagonal(i) - ratio * off, 1.0);
+    left = s(i) - ratio * left;
+    explained += left * left / pivot;
+    price += std::log(pivot);
+  }
+  return 0.5 * (v * explained - price);
+}
+
 /// The mean over the sizes of B, as its log.
 double evidenceOf(const Turns& turns, const Eigen::MatrixXd& L) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(L.transpose() * turns.information * L);
-  const Eigen::ArrayXd squares = (eigen.eigenvectors().transpose() * (L.transpose() * turns.score)).array().square();
-  const Eigen::ArrayXd information = eigen.eigenvalues().array().cwiseMax(0.0);
+  // Q T Q' = L'JL serves all sizes.
+  const Eigen::Tridiagonalization<Eigen::MatrixXd> tridiagonal(L.transpose() * turns.information * L);
+  const Eigen::VectorXd diagonal = tridiagonal.diagonal(), beside = tridiagonal.subDiagonal();
+  const Eigen::VectorXd s = tridiagonal.matrixQ().adjoint() * (L.transpose() * turns.score);
   std::vector<double> logs;
   for (const double scale : evidenceScales()) {
-    const double variance = std::pow(scale * kSearch.typical_wave, 2);
-    const Eigen::ArrayXd grown = 1.0 + variance * information;
-    logs.push_back(0.5 * (squares * variance / grown - grown.log()).sum());
+    logs.push_back(logBayesAt(std::pow(scale * kSearch.typical_wave, 2), diagonal, beside, s));
   }
   return logSumExp(logs) - std::log(static_cast<double>(logs.size()));
 }

@@ -208,13 +208,21 @@ bool includes(const Driver& driver, const Driver& other) {
 }
 
 /// Whether structure beside an effect is its own shape, which then has no name: what the effect's own driver drives alone, or whatever of
-/// several joints may hold that. A lens has many numbers, and several of them are often wrong.
+/// several joints may hold that, as a field over them does. A lens has many numbers, and several of them are often wrong.
 bool isOwnShape(const Candidate& structure, const FoundEffect& named) {
   if (structure.place != named.place || named.place.kind == PlaceKind::kCameraLens) return false;
   if (!includes(structure.driver, named.driver)) return false;
-  if (!structure.isWaves()) return true;
+  if (!structure.isWaves() || structure.curve->smooth) return true;
   const std::vector<AngleWave>& terms = structure.curve->terms;
   return std::any_of(terms.begin(), terms.end(), [&named](const AngleWave& wave) { return Driver(driversOf({wave})) == named.driver; });
+}
+
+/// Evidence that has to speak for an effect as a part of some structure. A field over several joints may hold whatever one of them drives,
+/// and its few waves follow a smooth function only roughly.
+double neededBeside(const FoundEffect& structure, const FoundEffect& named) {
+  const Candidate& whole = structure.accepted->candidate;
+  const bool holds = whole.curve->smooth && isOwnShape(whole, named);
+  return holds ? kSearch.beside_unknown + kSearch.unknown_own_misfit * structure.chi_square : kSearch.structure;
 }
 
 /// Whether an answer is what some structure leaves beside an effect that is a part of it.
@@ -262,16 +270,20 @@ void preferCurve(SearchState& search, const Ranking& ranking, std::size_t named)
   takeUp(search, judged, *curve);
 }
 
-void growStructure(SearchState& search) {
+bool growStructure(SearchState& search) {
   constexpr int kRounds = 4;
+  bool any = false;
   for (FoundEffect& found : search.selection.findings) {
     for (int round = 0; round < kRounds && isWaves(found); ++round) {
       if (!growWaves(search, found)) break;
+      any = true;
     }
     for (int round = 0; round < kRounds && isSway(found); ++round) {
       if (!growSway(search, found)) break;
+      any = true;
     }
   }
+  return any;
 }
 
 void splitIntoNames(SearchState& search) {
@@ -325,7 +337,7 @@ bool nameWhatHasAName(SearchState& search, std::size_t number) {
     search.add(ranking, static_cast<std::size_t>(rest - ranking.answers.begin()));
     growStructure(search);
     const double weight = search.linear.logLikelihood() + shares + fittedShare(findings.back().accepted->candidate);
-    if (!isOwnShape(findings.back().accepted->candidate, names.back()) && weight > best_weight + kSearch.structure) {
+    if (!isOwnShape(findings.back().accepted->candidate, names.back()) && weight > best_weight + neededBeside(whole, names.back())) {
       best_weight = weight;
       best = findings;
     }

@@ -21,7 +21,8 @@ void preferCurve(SearchState& search, const Ranking& ranking, std::size_t named)
 
 /// Further waves at the joints at which there are some, and further frequencies of mounts that sway: with those in, the noise is less and
 /// more of them show.
-void growStructure(SearchState& search);
+/// @return whether there were any
+bool growStructure(SearchState& search);
 
 /// A few waves of one angle each that were taken last, or a curve of time, may be several effects that have names: these are the answer
 /// where they serve as well.
