@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -17,29 +18,46 @@
 namespace poecal {
 namespace {
 
-constexpr int kHighestOrder = 200;  // teeth of a gear: strain waves and planets stay below
-constexpr std::size_t kMostSlipTimes = 60;
+constexpr int kHighestOrder = 200;           // teeth of a gear: strain waves and planets stay below
+constexpr std::size_t kMostSlipTimes = 100;  // a large one shows only where all rows are on their side
 
-/// Times between samples that follow each other, with as many samples on either side as the slip has numbers, and a few at least: with
-/// fewer it is not told from rows that are wrong.
-std::vector<double> slipTimes(const std::vector<Sample>& samples, std::size_t numbers) {
+/// Between two samples that follow each other.
+struct Pause {
+  double begin = 0.0, end = 0.0;
+  double middle() const { return 0.5 * (begin + end); }
+};
+
+/// Those with as many samples on either side as the slip has numbers, and a few at least: with fewer it is not told from rows that are
+/// wrong.
+std::vector<Pause> slipTimes(const std::vector<Sample>& samples, std::size_t numbers) {
   std::vector<double> stamps;
   for (const Sample& sample : samples) {
     if (sample.stamp) stamps.push_back(*sample.stamp);
   }
   std::sort(stamps.begin(), stamps.end());
-  std::vector<double> between;
+  std::vector<Pause> between;
   const std::size_t least = std::max<std::size_t>(3, numbers);
   for (std::size_t k = least; k + least <= stamps.size(); ++k) {
-    if (stamps[k] > stamps[k - 1]) between.push_back(0.5 * (stamps[k] + stamps[k - 1]));
+    if (stamps[k] > stamps[k - 1]) between.push_back({stamps[k - 1], stamps[k]});
   }
   return between;
 }
 
-/// Numbers of the times that are tried, of `count`: all, or kMostSlipTimes of them.
-std::vector<std::size_t> triedTimes(std::size_t count) {
-  std::vector<std::size_t> tried(std::min(count, kMostSlipTimes));
-  for (std::size_t k = 0; k < tried.size(); ++k) tried[k] = tried.size() == count ? k : k * (count - 1) / (tried.size() - 1);
+/// Numbers of the pauses that are tried: all, or those in which kMostSlipTimes times lie that are evenly apart. A slip happens at any time,
+/// so seldom between shots that follow each other at once.
+std::vector<std::size_t> triedTimes(const std::vector<Pause>& pauses) {
+  std::vector<std::size_t> tried;
+  if (pauses.size() <= kMostSlipTimes) {
+    tried.resize(pauses.size());
+    std::iota(tried.begin(), tried.end(), 0);
+    return tried;
+  }
+  const double begin = pauses.front().begin, apart = (pauses.back().end - begin) / static_cast<double>(kMostSlipTimes);
+  for (std::size_t k = 0, i = 0; i < kMostSlipTimes; ++i) {
+    const double mark = begin + (static_cast<double>(i) + 0.5) * apart;
+    while (k + 1 < pauses.size() && pauses[k].end <= mark) ++k;
+    if (tried.empty() || tried.back() != k) tried.push_back(k);
+  }
   return tried;
 }
 
@@ -66,9 +84,9 @@ std::vector<std::pair<double, double>> harmonicOrders() {
 std::vector<std::pair<double, double>> scanned(const EffectParameter& parameter, std::size_t numbers, const std::vector<Sample>& samples) {
   if (parameter.role == ParameterRole::kOrder) return harmonicOrders();
   std::vector<std::pair<double, double>> values;
-  const std::vector<double> times = slipTimes(samples, numbers);
-  const std::vector<std::size_t> tried = triedTimes(times.size());
-  for (const std::size_t k : tried) values.emplace_back(times[k], 1.0 / static_cast<double>(tried.size()));
+  const std::vector<Pause> pauses = slipTimes(samples, numbers);
+  const std::vector<std::size_t> tried = triedTimes(pauses);
+  for (const std::size_t k : tried) values.emplace_back(pauses[k].middle(), 1.0 / static_cast<double>(tried.size()));
   return values;
 }
 
@@ -297,16 +315,16 @@ bool Candidate::isPositive() const { return known() && effect->kind().yields_to_
 std::vector<Candidate> untriedTimes(const Candidate& slip, const std::vector<Sample>& samples) {
   const std::optional<Eigen::Index> time = slip.slipTime();
   if (!time) return {};
-  const std::vector<double> times = slipTimes(samples, slip.linear.size());
-  const std::vector<std::size_t> tried = triedTimes(times.size());
-  const auto at = std::find_if(tried.begin(), tried.end(), [&](std::size_t k) { return times[k] == slip.parameters(*time); });
+  const std::vector<Pause> pauses = slipTimes(samples, slip.linear.size());
+  const std::vector<std::size_t> tried = triedTimes(pauses);
+  const auto at = std::find_if(tried.begin(), tried.end(), [&](std::size_t k) { return pauses[k].middle() == slip.parameters(*time); });
   if (at == tried.end()) return {};
   const std::size_t low = at == tried.begin() ? *at : *(at - 1) + 1, high = at + 1 == tried.end() ? *at + 1 : *(at + 1);
   std::vector<Candidate> all;
   for (std::size_t k = low; k < high; ++k) {
     if (k == *at) continue;
     all.push_back(slip);
-    all.back().parameters(*time) = times[k];
+    all.back().parameters(*time) = pauses[k].middle();
   }
   return all;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "diagnosis/refit.hpp"
@@ -44,7 +45,7 @@ class Ranker {
       if (!isTaken(candidates_[i], taken)) by_answer[candidates_[i].answer()].push_back(i);
     }
     for (const auto& [name, members] : by_answer) {
-      if (!taken.empty() && !isTestable(ranking, members)) continue;
+      if (!taken.empty() && !isTestable(ranking, members) && !isAmong(kept, name)) continue;
       std::vector<double> weights;
       std::size_t best = members.front();
       for (const std::size_t i : members) {
@@ -93,6 +94,10 @@ class Ranker {
                        [&](const std::string& name) { return name == candidate.answer() || (posture && name.starts_with(there)); });
   }
 
+  static bool isAmong(const std::vector<Candidate>& kept, const std::string& answer) {
+    return std::any_of(kept.begin(), kept.end(), [&](const Candidate& candidate) { return candidate.answer() == answer; });
+  }
+
   /// Waves of several joints and smooth fields over them: at each joint what serves best.
   void addWaves(const Linearised& linear, const std::vector<std::string>& taken, const std::vector<Candidate>& kept,
                 Ranking& ranking) const {
@@ -102,7 +107,7 @@ class Ranker {
     std::vector<Candidate> waves = waveCandidates(ports, linear, *waves_, std::min(kMost, mostWaves(linear.rows.groups.size())));
     const std::vector<Candidate> fields = fieldCandidates(ports, linear);
     waves.insert(waves.end(), fields.begin(), fields.end());
-    waves.insert(waves.end(), kept.begin(), kept.end());
+    std::copy_if(kept.begin(), kept.end(), std::back_inserter(waves), [](const Candidate& candidate) { return candidate.isWaves(); });
     const std::vector<Evidence> evidence = screen(linear, waves);
     std::map<Place, RankedAnswer> best;
     for (std::size_t i = 0; i < waves.size(); ++i) {

@@ -50,7 +50,8 @@ struct Ranking {
 
 /// Ranks all explanations at a linearisation that has its noise.
 /// @param waves  of several joints, which stand beside the curves of `candidates`; nullptr: nothing of unknown shape may be an answer.
-/// @param taken  answers that are in the linearisation already. @param kept  waves that were found before and are weighed once more.
+/// @param taken  answers that are in the linearisation already. @param kept  what was found before and is weighed once more, though it were
+/// waves that are not found again or a size of no real cell.
 /// @param label  under which `measured.progress` is told of it.
 Ranking rank(const MeasuredCell& measured, const std::vector<Candidate>& candidates, const WaveDictionary* waves, const Linearised& linear,
              const std::vector<std::string>& taken, const std::vector<Candidate>& kept, const std::string& label);

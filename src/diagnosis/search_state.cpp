@@ -9,7 +9,7 @@ namespace poecal {
 
 Ranking SearchState::ranked(const Linearised& at, std::optional<std::size_t> without) {
   std::vector<Candidate> kept;
-  if (without && isWaves(selection.findings[*without])) kept.push_back(selection.findings[*without].accepted->candidate);
+  if (without && selection.findings[*without].accepted) kept.push_back(selection.findings[*without].accepted->candidate);
   return rank(selection.measured, selection.candidates, limits_.curves ? &waves_ : nullptr, at, taken(without), kept,
               limits_.label + ", round " + std::to_string(++round_));
 }

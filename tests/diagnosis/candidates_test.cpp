@@ -2,6 +2,7 @@
 #include "diagnosis/candidates.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gmock/gmock.h>
 
@@ -94,7 +95,7 @@ TEST(Curves, OfTimeAreNoneWhereTheRowsFollowAJoint) {
 TEST(SlipTimes, AreAllTriedAroundTheBest) {
   const Listed made = listed(200);
   const std::vector<Candidate> tried = ofAnswer(made, "joint_slip@joint:3/stamp");
-  ASSERT_EQ(tried.size(), 60u);
+  ASSERT_EQ(tried.size(), 100u);
   std::vector<double> stamps;
   for (const Sample& sample : made.measured.samples) stamps.push_back(*sample.stamp);
   std::sort(stamps.begin(), stamps.end());
@@ -109,6 +110,22 @@ TEST(SlipTimes, AreAllTriedAroundTheBest) {
     expected.push_back(k);
   }
   EXPECT_EQ(poses, expected);
+}
+
+// Three shots of each pose, a second apart, and twenty until the next pose: a slip is twenty times as likely in a pause as between shots.
+TEST(SlipTimes, AreMostlyInThePausesBetweenPoses) {
+  Listed made = listed(240);
+  constexpr double kShots = 3.0, kPause = 20.0;
+  for (std::size_t k = 0; k < made.measured.samples.size(); ++k) {
+    const double shot = std::fmod(static_cast<double>(k), kShots), pose = (static_cast<double>(k) - shot) / kShots;
+    made.measured.samples[k].stamp = pose * (kShots - 1.0 + kPause) + shot;
+  }
+  made.candidates = allCandidates(made.measured, {CellState(made.measured.start, made.measured.free), {}}).candidates;
+  const std::vector<Candidate> tried = ofAnswer(made, "joint_slip@joint:3/stamp");
+  const auto inPause = [&](const Candidate& slip) { return std::fmod(slip.parameters(0), kShots - 1.0 + kPause) > kShots - 1.0; };
+  const auto pauses = std::count_if(tried.begin(), tried.end(), inPause);
+  EXPECT_EQ(pauses, 79);  // all of them
+  EXPECT_GT(pauses, 4 * (static_cast<std::ptrdiff_t>(tried.size()) - pauses));
 }
 
 // A mount's slip has six numbers, a joint's has one.

@@ -53,6 +53,23 @@ TEST(Ranking, AComplianceIsNotNegative) {
   EXPECT_LT(weight(-1e-4), yields - 20.0);
 }
 
+// A drift so fast that poses which see no other one see it: no answer beside another finding, until it was one.
+TEST(Ranking, WhatWasFoundIsWeighedAgainWhateverItsSize) {
+  const MeasuredCell measured = test::smallCell(24, 60, kSigma, {}).measured();
+  const Linearised linear = refitted(measured);
+  std::vector<Candidate> candidates = allCandidates(measured, linear.state).candidates;
+  const auto gain = std::find_if(candidates.begin(), candidates.end(), [](const Candidate& candidate) {
+    return candidate.name == "joint_gain" && candidate.place.name() == "joint:2";
+  });
+  ASSERT_NE(gain, candidates.end());
+  gain->typical *= 1e-6;
+  const auto listed = [&](const std::vector<Candidate>& kept) {
+    return weightOf(rank(measured, candidates, nullptr, linear, {"another@base/none"}, kept, ""), "joint_gain", "joint:2") > -1e9;
+  };
+  EXPECT_FALSE(listed({}));
+  EXPECT_TRUE(listed({*gain}));
+}
+
 class ComplianceByMasses : public ::testing::TestWithParam<std::uint64_t> {};
 
 // A wave of two joints follows the torque with two numbers, where the compliance has eighteen of masses that nobody stated; what is
