@@ -57,12 +57,15 @@ TEST(Warnings, EqualOnesArePrintedOnce) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "poecal: warning: a skew is dropped (20 times)\npoecal: warning: another\n");
 }
 
-/// What printReport() says with --json.
+/// What is said with --json of JSON text, or of an object.
 std::string printedJson(const std::string& json) {
-  app::Common common;
-  common.json = true;
   ::testing::internal::CaptureStdout();
-  app::printReport(common, "text", json);
+  app::printReport({.json = true}, "text", json);
+  return ::testing::internal::GetCapturedStdout();
+}
+std::string printedJson(const nlohmann::json& json) {
+  ::testing::internal::CaptureStdout();
+  app::printSummary({.json = true}, "text", json);
   return ::testing::internal::GetCapturedStdout();
 }
 
@@ -77,12 +80,8 @@ TEST(Json, OfPartsIsWhatOneWriterWrites) {
 }
 
 TEST(Json, OfAnObjectAndOfItsTextAreAlike) {
-  app::Common common;
-  common.json = true;
   const nlohmann::json json{{"folder", "\u00fcber\x7f/\U0001F916"}, {"files", {"a", "b"}}};
-  ::testing::internal::CaptureStdout();
-  app::printSummary(common, "text", json);
-  EXPECT_EQ(::testing::internal::GetCapturedStdout(), printedJson(json.dump(2) + "\n"));
+  EXPECT_EQ(printedJson(json), printedJson(json.dump(2) + "\n"));
 }
 
 class Terminal : public ::testing::Test {
