@@ -100,7 +100,7 @@ std::string registrationSummaryJson(const CalibrationRun& run) {
   const nlohmann::ordered_json json{
       {"pictures", result.samples.size()}, {"rms_px", result.rms_px}, {"rms_all_px", result.rms_all_px},
       {"free_rms_px", result.free_rms_px}, {"left_out", left_out},    {"joints", result.cell.arm.has_value()}};
-  return json.dump(2);
+  return json.dump(2) + "\n";
 }
 
 std::string identificationText(const CalibrationRun& run) {

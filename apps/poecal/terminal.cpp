@@ -57,14 +57,13 @@ double secondsNow() { return std::chrono::duration<double>(std::chrono::steady_c
 bool takesColours(int stream) { return isScreen(stream) && environment("NO_COLOR").empty(); }
 
 void printSummary(const Common& common, const std::string& text, const nlohmann::json& json) {
-  printReport(common, text, json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
+  printReport(common, text, json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 void printReport(const Common& common, const std::string& text, const std::string& json) {
   if (common.json) {
     // Names in it may hold what a terminal obeys, and JSON can say all of it in plain letters.
-    const nlohmann::ordered_json parsed = nlohmann::ordered_json::parse(json);
-    printOut(parsed.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    printOut(asciiJson(json));
   } else if (!common.quiet) {
     const std::string printable = printableText(text);
     printOut(takesColours(STDOUT_FILENO) ? withBoldVerdict(printable) : printable);
@@ -74,8 +73,10 @@ void printReport(const Common& common, const std::string& text, const std::strin
 std::string jsonObject(const std::vector<std::pair<std::string, std::string>>& parts) {
   std::string text = "{";
   for (const auto& [key, json] : parts) {
-    const std::size_t end = json.find_last_not_of('\n');
-    text += fmt::format("{}\n\"{}\": {}", text.size() > 1 ? "," : "", key, json.substr(0, end + 1));
+    text += fmt::format("{}\n  \"{}\": ", text.size() > 1 ? "," : "", key);
+    const std::string_view lines = std::string_view(json).substr(0, json.find_last_not_of('\n') + 1);
+    // A line end in it is no part of a string, where JSON writes it as an escape.
+    for (const char c : lines) text += c == '\n' ? "\n  " : std::string(1, c);
   }
   return text + "\n}\n";
 }

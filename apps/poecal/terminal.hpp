@@ -17,9 +17,9 @@ namespace poecal::app {
 
 /// The summary of a command: `text` on stdout, its verdict bold on a terminal; or `json` with --json, or nothing with --quiet.
 void printSummary(const Common& common, const std::string& text, const nlohmann::json& json);
-/// The same where the JSON is written already.
+/// The same where the JSON is written already: indented by 2, with a line end. It is printed as asciiJson() has it.
 void printReport(const Common& common, const std::string& text, const std::string& json);
-/// A JSON object of parts that are JSON already, in their order.
+/// A JSON object of parts that are JSON already, in their order, likewise indented by 2. @param parts  key, and text of its value.
 std::string jsonObject(const std::vector<std::pair<std::string, std::string>>& parts);
 
 /// Whether a stream is a terminal that takes colours: TERM is not "dumb", and NO_COLOR is not set (no-color.org).

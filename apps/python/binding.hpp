@@ -108,5 +108,6 @@ void bindSimulation(py::module_& module);
 void bindPlanning(py::module_& module);
 void bindExporting(py::module_& module);
 void bindPrinting(py::module_& module);
+void bindPaper(py::module_& module);
 
 }  // namespace poecal::python

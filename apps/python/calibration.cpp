@@ -77,6 +77,8 @@ void bindSteps(py::module_& module) {
       },
       py::arg("cell"), py::arg("observations"), py::arg_v("options", RegistrationOptions(), "RegistrationOptions()"), Unlocked(),
       "Finds where camera and target are, from the corners of pictures.");
+  module.def("registerPoses", registerPoses, py::arg("cell"), py::arg("observations"), py::arg("robust") = true, Unlocked(),
+             "Finds where an instrument and its tool are, from the poses that it measured.");
   module.def(
       "identify",
       [](const Cell& cell, const Measurements& measurements, const IdentifyOptions& options, const RegistrationResult* registration) {
@@ -161,6 +163,10 @@ void bindRuns(py::module_& module) {
              "Writes what the calibration holds of these files into `out`.");
   module.def("writeReport", writeReport, py::arg("run"), py::arg("capture"), py::arg("out"), py::arg("jobs") = 1, Unlocked(),
              "Writes report.json and report.html; says why there is no page, or nothing.");
+  module.def("renderReport", renderReport, py::arg("out"), py::arg("jobs") = 1, Unlocked(), "Writes report.html from report.json.");
+  module.def("reportJson", reportJson, py::arg("run"), py::arg("pictures"),
+             "Text of report.json; `pictures` is their folder as seen from its own; empty: none.");
+  module.def("reportBuilt", reportBuilt, "Whether this build can make pages.");
 }
 
 void bindIntrinsics(py::module_& module) {

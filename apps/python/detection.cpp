@@ -103,6 +103,8 @@ void bindDetection(py::module_& module) {
       [](const Capture& capture, const DetectOptions& how, KnownCorners* known) { return detectCapture(capture, stoppable(how), known); },
       py::arg("capture"), options(), py::arg("known") = py::none(), Unlocked(),
       "Corners of the target in the picture of every sample, and of the reference where there is one.");
+  module.def("takeSizeFromPictures", takeSizeFromPictures, py::arg("capture"), Unlocked(),
+             "Gives the camera of a file without a size that of the capture's first picture.");
   module.def(
       "readBoardPictures",
       [](const Path& folder, const DetectOptions& how, KnownCorners* known) { return readBoardPictures(folder, stoppable(how), known); },

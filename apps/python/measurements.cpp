@@ -123,6 +123,24 @@ void bindSamples(py::module_& module) {
   module.def("readWantedPoses", readWantedPoses, py::arg("file"), py::arg("arm"), "Reads a table of poses that the flange should go to.");
 }
 
+void bindPoseTables(py::module_& module) {
+  Struct<MeasuredPose>(module, "MeasuredPose",
+                       "One row of poses.csv: a pose that an instrument measured, or a position alone; deviations in [m] and [rad].")
+      .made()
+      .member("sample", &MeasuredPose::sample)
+      .member("T_instrument_tool", &MeasuredPose::T_instrument_tool)
+      .member("position_only", &MeasuredPose::position_only)
+      .member("sigma_position", &MeasuredPose::sigma_position)
+      .member("sigma_rotation", &MeasuredPose::sigma_rotation);
+  Struct<PoseTable>(module, "PoseTable", "A table of measured poses, in the order taken.")
+      .made()
+      .member("file", &PoseTable::file)
+      .member("poses", &PoseTable::poses)
+      .member("other_columns", &PoseTable::other_columns)
+      .member("position_only", &PoseTable::position_only);
+  module.def("readPoses", readPoses, py::arg("file"), py::arg("arm"), "Reads poses.csv for an arm.");
+}
+
 void bindCell(py::module_& module) {
   Struct<KnownTransform>(module, "KnownTransform",
                          "What is known of a constant transform: 1 sigma of its rotation and translation [rad; m].")
@@ -199,6 +217,7 @@ void bindMeasured(py::module_& module) {
       .def("addPositions", &Measurements::addPositions, py::arg("table"), py::arg("p_instrument"), py::arg("sigma_position") = py::none(),
            "A position for each row: N x 3 [m].")
       .def("poseGroups", &Measurements::poseGroups);
+  module.def("measurementsOf", py::overload_cast<const PoseTable&>(measurementsOf), py::arg("table"), "The poses of an instrument.");
 }
 
 void bindCapture(py::module_& module) {
@@ -220,6 +239,7 @@ void bindMeasurements(py::module_& module) {
   bindCamera(module);
   bindTarget(module);
   bindSamples(module);
+  bindPoseTables(module);
   bindCell(module);
   bindObservations(module);
   bindMeasured(module);

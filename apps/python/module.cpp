@@ -117,6 +117,7 @@ PYBIND11_MODULE(poecal, module) {
   bindPlanning(module);
   bindExporting(module);
   bindPrinting(module);
+  bindPaper(module);
   for (const auto item : py::list(module.attr("__dict__").attr("values")())) {
     if (py::isinstance<py::type>(item)) addPep8Names(py::reinterpret_borrow<py::object>(item));
   }

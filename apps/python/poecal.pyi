@@ -6,7 +6,7 @@
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import ClassVar, Final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -225,6 +225,32 @@ class SampleTable:
     ) -> None: ...
     def __copy__(self) -> SampleTable: ...
     def __deepcopy__(self, memo: dict[int, object]) -> SampleTable: ...
+
+class MeasuredPose:
+    """One row of poses.csv: a pose that an instrument measured, or a position alone; deviations in [m] and [rad]."""
+    sample: Sample
+    T_instrument_tool: _Array
+    position_only: bool
+    sigma_position: float | None
+    sigma_rotation: float | None
+    def __init__(
+        self, *, sample: Sample = ..., T_instrument_tool: ArrayLike = ..., position_only: bool = ..., sigma_position: float | None = ...,
+        sigma_rotation: float | None = ...
+    ) -> None: ...
+    def __copy__(self) -> MeasuredPose: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> MeasuredPose: ...
+
+class PoseTable:
+    """A table of measured poses, in the order taken."""
+    file: Path
+    poses: Sequence[MeasuredPose]
+    other_columns: Sequence[str]
+    position_only: bool
+    def __init__(
+        self, *, file: _Path = ..., poses: Sequence[MeasuredPose] = ..., other_columns: Sequence[str] = ..., position_only: bool = ...
+    ) -> None: ...
+    def __copy__(self) -> PoseTable: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PoseTable: ...
 
 class KnownTransform:
     """What is known of a constant transform: 1 sigma of its rotation and translation [rad; m]."""
@@ -452,6 +478,11 @@ class ErrorSummary:
     position: Final[LengthSummary]
     rotation: Final[LengthSummary]
 
+class FlangeError:
+    """Distance [m] and angle [rad] of a flange from where it is."""
+    position: Final[float]
+    rotation: Final[float]
+
 class RowErrors:
     """Errors of one observation: `lengths` of its corners [px], of poses the distance [m]."""
     index: Final[int]
@@ -464,6 +495,38 @@ class ModelStage:
     held_out: Final[ErrorSummary]
     held_out_kept: Final[ErrorSummary]
     held_out_rows: Final[tuple[RowErrors, ...]]
+
+class AdjustmentStatus(_Enum):
+    kNotRun: ClassVar[AdjustmentStatus]
+    kConverged: ClassVar[AdjustmentStatus]
+    kIterationLimit: ClassVar[AdjustmentStatus]
+
+class AdjustmentStep:
+    """One step of an adjustment; `rms` is in stated sigmas."""
+    cost: Final[float]
+    rms: Final[float]
+    scale: Final[float]
+
+class Adjustment:
+    """A cell fitted to what was measured: `covariance` is of the parameters of `names` [rad; m], `scale` the noise in stated sigmas,
+    `weights` of every observation's units 0..1."""
+    status: Final[AdjustmentStatus]
+    cell: Final[Cell]
+    beta: Final[_Array]
+    names: Final[tuple[str, ...]]
+    sigma_prior: Final[_Array]
+    covariance: Final[_Array]
+    steps: Final[tuple[AdjustmentStep, ...]]
+    scale: Final[float]
+    tolerance: Final[float]
+    chi_square: Final[float]
+    degrees_of_freedom: Final[float]
+    rank: Final[int]
+    condition_number: Final[float]
+    weights: Final[tuple[_Array, ...]]
+    unseen: Final[tuple[str, ...]]
+    def reducedChiSquare(self) -> float: ...
+    reduced_chi_square = reducedChiSquare
 
 class RegisteredSample:
     """One sample after registration."""
@@ -479,11 +542,18 @@ class RegisteredSample:
 class RegistrationResult:
     """Where camera and target are, and the flange poses that the camera measured."""
     cell: Final[Cell]
+    closed_form: Final[Registration]
+    adjustment: Final[Adjustment]
     samples: Final[tuple[RegisteredSample, ...]]
     rms_px: Final[float]
     rms_all_px: Final[float]
     free_rms_px: Final[float]
     corner_sigma_px: Final[float]
+    warnings: Final[tuple[str, ...]]
+
+class PoseRegistration:
+    """Where an instrument and its tool are; warnings of known transforms."""
+    adjustment: Final[Adjustment]
     warnings: Final[tuple[str, ...]]
 
 class Method(_Enum):
@@ -691,8 +761,11 @@ class ResultSummary:
     warnings: Final[tuple[str, ...]]
     corner_sigma_px: Final[float | None]
     arm_beyond_tolerance: Final[float | None]
+    def isUnexplained(self) -> bool:
+        """Whether something is left that no finding explains, of either kind."""
     def stage(self, stage: str) -> StageErrors | None:
         """The errors of a stage; None where it is not there."""
+    is_unexplained = isUnexplained
 
 class CalibrationStep(_Enum):
     kRegistration: ClassVar[CalibrationStep]
@@ -1255,6 +1328,33 @@ class FrameNames:
     def __copy__(self) -> FrameNames: ...
     def __deepcopy__(self, memo: dict[int, object]) -> FrameNames: ...
 
+class PaperOptions:
+    """Options of the paper's experiment; the noise of measured poses is uniform: half widths in [m] and [rad]."""
+    seeds: int
+    poses: int
+    test_poses: int
+    noise_position: float
+    noise_rotation: float
+    def __init__(
+        self, *, seeds: int = ..., poses: int = ..., test_poses: int = ..., noise_position: float = ..., noise_rotation: float = ...
+    ) -> None: ...
+    def __copy__(self) -> PaperOptions: ...
+    def __deepcopy__(self, memo: dict[int, object]) -> PaperOptions: ...
+
+class PaperFit:
+    """What one method made of one seed: the arm, and its errors at poses that it did not see."""
+    arm: Final[Arm]
+    residuals: Final[_Array]
+    test_poses: Final[tuple[FlangeError, ...]]
+    error: Final[FlangeError]
+
+class PaperSeed:
+    """One seed of the experiment."""
+    nominal_test_poses: Final[tuple[FlangeError, ...]]
+    nominal: Final[FlangeError]
+    gao: Final[PaperFit]
+    weighted: Final[PaperFit]
+
 class Paper:
     """A sheet of paper, either way up [m]."""
     name: str
@@ -1380,6 +1480,10 @@ def readWantedPoses(file: _Path, arm: Arm) -> SampleTable:
     """Reads a table of poses that the flange should go to."""
 read_wanted_poses = readWantedPoses
 
+def readPoses(file: _Path, arm: Arm) -> PoseTable:
+    """Reads poses.csv for an arm."""
+read_poses = readPoses
+
 def predictCorners(cell: Cell, target: Target, T_base_flange: ArrayLike) -> list[Corner]:
     """Pixels of the target's points that the camera can see."""
 predict_corners = predictCorners
@@ -1450,6 +1554,10 @@ def fleetCsv(results: Sequence[ResultSummary]) -> str:
     """Text of fleet.csv."""
 fleet_csv = fleetCsv
 
+def fleetHtml(results: Sequence[ResultSummary], page: _Path) -> str:
+    """The results of many captures as one page; `page` is where it will stand, for its links."""
+fleet_html = fleetHtml
+
 def registrationYaml(calibration: Calibration, measurements: Measurements) -> str:
     """Text of registration.yaml."""
 registration_yaml = registrationYaml
@@ -1469,6 +1577,10 @@ diagnosis_json = diagnosisJson
 def registerCell(cell: Cell, observations: Sequence[Observation], options: RegistrationOptions = ...) -> RegistrationResult:
     """Finds where camera and target are, from the corners of pictures."""
 register_cell = registerCell
+
+def registerPoses(cell: Cell, observations: Sequence[Observation], robust: bool = ...) -> PoseRegistration:
+    """Finds where an instrument and its tool are, from the poses that it measured."""
+register_poses = registerPoses
 
 def identify(
     cell: Cell, measurements: Measurements, options: IdentifyOptions = ..., registration: RegistrationResult | None = ...
@@ -1509,6 +1621,18 @@ def writeReport(run: CalibrationRun, capture: _Path, out: _Path, jobs: int = ...
     """Writes report.json and report.html; says why there is no page, or nothing."""
 write_report = writeReport
 
+def renderReport(out: _Path, jobs: int = ...) -> None:
+    """Writes report.html from report.json."""
+render_report = renderReport
+
+def reportJson(run: CalibrationRun, pictures: str) -> str:
+    """Text of report.json; `pictures` is their folder as seen from its own; empty: none."""
+report_json = reportJson
+
+def reportBuilt() -> bool:
+    """Whether this build can make pages."""
+report_built = reportBuilt
+
 def calibrateBoardFolder(
     folder: _Path, options: IntrinsicsOptions, jobs: int, camera_file: _Path, listener: Listener | None = ...
 ) -> IntrinsicsResult:
@@ -1543,6 +1667,11 @@ def medianLook(looks: Sequence[PictureLook]) -> PictureLook | None:
     """The median of each figure by itself; None where there are no looks."""
 median_look = medianLook
 
+@overload
+def measurementsOf(table: PoseTable) -> Measurements:
+    """The poses of an instrument."""
+
+@overload
 def measurementsOf(capture: Capture, detections: Detections) -> Measurements:
     """The corners of a capture, for calibrate()."""
 measurements_of = measurementsOf
@@ -1559,6 +1688,10 @@ def detect(
 def detectCapture(capture: Capture, options: DetectOptions = ..., known: KnownCorners | None = ...) -> DetectResult:
     """Corners of the target in the picture of every sample, and of the reference where there is one."""
 detect_capture = detectCapture
+
+def takeSizeFromPictures(capture: Capture) -> None:
+    """Gives the camera of a file without a size that of the capture's first picture."""
+take_size_from_pictures = takeSizeFromPictures
 
 def readBoardPictures(folder: _Path, options: DetectOptions = ..., known: KnownCorners | None = ...) -> BoardPictures:
     """Finds the target of folder/target.yaml in every picture of the folder."""
@@ -1655,3 +1788,11 @@ paper_named = paperNamed
 def drawTargetSheet(target: Target, paper: Paper) -> TargetSheet:
     """Draws a target in its size with two rulers; the same target and paper give the same bytes."""
 draw_target_sheet = drawTargetSheet
+
+def paperPoses(actual: Arm, options: PaperOptions = ..., seed: int = ...) -> PoseTable:
+    """The measured poses of one seed."""
+paper_poses = paperPoses
+
+def paperExperiment(nominal: Arm, actual: Arm, options: PaperOptions = ...) -> list[PaperSeed]:
+    """The paper's methods `gao` and `weighted` side by side, for seeds 1 to options.seeds."""
+paper_experiment = paperExperiment

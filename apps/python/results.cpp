@@ -3,6 +3,7 @@
 #include "binding.hpp"
 #include "poecal/calibration/calibrate.hpp"
 #include "poecal/calibration/fleet.hpp"
+#include "poecal/report/fleet_page.hpp"
 
 namespace poecal::python {
 namespace {
@@ -20,6 +21,9 @@ void bindErrorsOfModels(py::module_& module) {
       .result("px", &ErrorSummary::px)
       .result("position", &ErrorSummary::position)
       .result("rotation", &ErrorSummary::rotation);
+  Struct<FlangeError>(module, "FlangeError", "Distance [m] and angle [rad] of a flange from where it is.")
+      .result("position", &FlangeError::position)
+      .result("rotation", &FlangeError::rotation);
   Struct<RowErrors>(module, "RowErrors", "Errors of one observation: `lengths` of its corners [px], of poses the distance [m].")
       .result("index", &RowErrors::index)
       .result("lengths", &RowErrors::lengths);
@@ -29,6 +33,36 @@ void bindErrorsOfModels(py::module_& module) {
       .result("held_out", &ModelStage::held_out)
       .result("held_out_kept", &ModelStage::held_out_kept)
       .result("held_out_rows", &ModelStage::held_out_rows);
+}
+
+void bindAdjustment(py::module_& module) {
+  py::enum_<AdjustmentStatus>(module, "AdjustmentStatus")
+      .value("kNotRun", AdjustmentStatus::kNotRun)
+      .value("kConverged", AdjustmentStatus::kConverged)
+      .value("kIterationLimit", AdjustmentStatus::kIterationLimit);
+  Struct<AdjustmentStep>(module, "AdjustmentStep", "One step of an adjustment; `rms` is in stated sigmas.")
+      .result("cost", &AdjustmentStep::cost)
+      .result("rms", &AdjustmentStep::rms)
+      .result("scale", &AdjustmentStep::scale);
+  Struct<Adjustment>(module, "Adjustment",
+                     "A cell fitted to what was measured: `covariance` is of the parameters of `names` [rad; m], `scale` the noise in "
+                     "stated sigmas, `weights` of every observation's units 0..1.")
+      .result("status", &Adjustment::status)
+      .result("cell", &Adjustment::cell)
+      .result("beta", &Adjustment::beta)
+      .result("names", &Adjustment::names)
+      .result("sigma_prior", &Adjustment::sigma_prior)
+      .result("covariance", &Adjustment::covariance)
+      .result("steps", &Adjustment::steps)
+      .result("scale", &Adjustment::scale)
+      .result("tolerance", &Adjustment::tolerance)
+      .result("chi_square", &Adjustment::chi_square)
+      .result("degrees_of_freedom", &Adjustment::degrees_of_freedom)
+      .result("rank", &Adjustment::rank)
+      .result("condition_number", &Adjustment::condition_number)
+      .result("weights", &Adjustment::weights)
+      .result("unseen", &Adjustment::unseen)
+      .def("reducedChiSquare", &Adjustment::reducedChiSquare);
 }
 
 void bindRegistration(py::module_& module) {
@@ -43,12 +77,17 @@ void bindRegistration(py::module_& module) {
       .result("covariance", &RegisteredSample::covariance);
   Struct<RegistrationResult>(module, "RegistrationResult", "Where camera and target are, and the flange poses that the camera measured.")
       .result("cell", &RegistrationResult::cell)
+      .result("closed_form", &RegistrationResult::closed_form)
+      .result("adjustment", &RegistrationResult::adjustment)
       .result("samples", &RegistrationResult::samples)
       .result("rms_px", &RegistrationResult::rms_px)
       .result("rms_all_px", &RegistrationResult::rms_all_px)
       .result("free_rms_px", &RegistrationResult::free_rms_px)
       .result("corner_sigma_px", &RegistrationResult::corner_sigma_px)
       .result("warnings", &RegistrationResult::warnings);
+  Struct<PoseRegistration>(module, "PoseRegistration", "Where an instrument and its tool are; warnings of known transforms.")
+      .result("adjustment", &PoseRegistration::adjustment)
+      .result("warnings", &PoseRegistration::warnings);
 }
 
 void bindIdentification(py::module_& module) {
@@ -223,6 +262,7 @@ void bindSummary(py::module_& module) {
       .result("warnings", &ResultSummary::warnings)
       .result("corner_sigma_px", &ResultSummary::corner_sigma_px)
       .result("arm_beyond_tolerance", &ResultSummary::arm_beyond_tolerance)
+      .def("isUnexplained", &ResultSummary::isUnexplained, "Whether something is left that no finding explains, of either kind.")
       .def("stage", &ResultSummary::stage, py::arg("stage"), py::return_value_policy::reference_internal,
            "The errors of a stage; None where it is not there.");
   module.def("readResults", readResults, py::arg("folder"), "Reads the results in a folder; none of the files need be there.");
@@ -230,12 +270,15 @@ void bindSummary(py::module_& module) {
   module.def("fleetRow", fleetRow, py::arg("summary"), "The cells of a row by their columns.");
   module.def("fleetText", fleetText, py::arg("results"), "The results of many captures as a table for people.");
   module.def("fleetCsv", fleetCsv, py::arg("results"), "Text of fleet.csv.");
+  module.def("fleetHtml", fleetHtml, py::arg("results"), py::arg("page"),
+             "The results of many captures as one page; `page` is where it will stand, for its links.");
 }
 
 }  // namespace
 
 void bindResults(py::module_& module) {
   bindErrorsOfModels(module);
+  bindAdjustment(module);
   bindRegistration(module);
   bindIdentification(module);
   bindDiagnosis(module);

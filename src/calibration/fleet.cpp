@@ -36,7 +36,7 @@ std::string picturesText(const ResultSummary& summary) {
 std::string diagnosisText(const ResultSummary& summary) {
   if (!summary.verdict) return "-";
   if (!summary.why.empty()) return *summary.verdict;
-  if (summary.findings.empty()) return summary.structure_left || summary.gap_remains ? "a gap, no cause found" : "nothing";
+  if (summary.findings.empty()) return summary.isUnexplained() ? "a gap, no cause found" : "nothing";
   std::vector<std::string> texts;
   for (const FindingSummary& finding : summary.findings) {
     texts.push_back(fmt::format("{} at {} ({})", finding.effect, finding.location, finding.size));

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
+#include "calibration/results_json.hpp"
 #include "core/yaml.hpp"
 #include "diagnosis/diagnosis_json.hpp"
 #include "poecal/core/error.hpp"
@@ -121,13 +121,17 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
 
 }  // namespace
 
-std::string diagnosisJson(const Calibration& calibration, const Measurements& measurements) {
+nlohmann::ordered_json diagnosisObject(const Calibration& calibration, const Measurements& measurements) {
   if (!calibration.diagnosis && calibration.no_diagnosis.empty()) throw InvalidArgument("no diagnosis was asked for");
   nlohmann::ordered_json json{{"format", "poecal-diagnosis/1"}, {"verdict", "insufficient data"}, {"why", calibration.no_diagnosis}};
   if (calibration.diagnosis) json = diagnosisObject(*calibration.diagnosis, measurements.samples);
   json["model_source"] = modelSourceName(calibration.model_source);
   json["model_source_why"] = calibration.model_reason;
-  return json.dump(2) + "\n";
+  return json;
+}
+
+std::string diagnosisJson(const Calibration& calibration, const Measurements& measurements) {
+  return diagnosisObject(calibration, measurements).dump(2) + "\n";
 }
 
 void writeResults(const Calibration& calibration, const Measurements& measurements, const ResultFiles& files,

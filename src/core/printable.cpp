@@ -1,5 +1,7 @@
 #include "poecal/core/printable.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include <fmt/format.h>
@@ -60,6 +62,15 @@ std::string tailOf(std::string_view text, std::size_t room) {
   return tail;
 }
 
+/// As JSON's strings have it, in UTF-16.
+std::string escapedSign(const Utf8Sign& sign) {
+  constexpr std::uint32_t kReplacement = 0xFFFD, kTwoUnits = 0x10000;
+  const std::uint32_t code = sign.code.value_or(kReplacement);
+  if (code < kTwoUnits) return fmt::format("\\u{:04x}", code);
+  const std::uint32_t rest = code - kTwoUnits;
+  return fmt::format("\\u{:04x}\\u{:04x}", 0xD800 + (rest >> 10), 0xDC00 + (rest & 0x3FF));
+}
+
 }  // namespace
 
 std::string printableLine(std::string_view text, std::size_t longest) {
@@ -80,6 +91,21 @@ std::string printableText(std::string_view text, std::size_t longest_line) {
     if (end == std::string_view::npos) break;
     result += '\n';
     text.remove_prefix(end + 1);
+  }
+  return result;
+}
+
+std::string asciiJson(std::string_view json) {
+  std::string result;
+  while (!json.empty()) {
+    const auto plain_end = std::find_if(json.begin(), json.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x7f; });
+    result.append(json.begin(), plain_end);
+    json.remove_prefix(static_cast<std::size_t>(plain_end - json.begin()));
+    if (json.empty()) break;
+    // JSON has other signs than ASCII within strings alone, where an escape stands for its sign.
+    const Utf8Sign sign = firstSign(json);
+    result += escapedSign(sign);
+    json.remove_prefix(sign.bytes.size());
   }
   return result;
 }

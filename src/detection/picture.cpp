@@ -29,15 +29,30 @@ std::uint32_t bigEndian(std::string_view bytes) {
   return value;
 }
 
-/// Walks the chunks of a PNG to its IEND.
+struct PngChunk {
+  std::string_view type_and_data;
+  std::uint32_t checksum = 0;
+
+  /// A picture cannot be read without it.
+  bool isNeeded() const { return type_and_data.front() >= 'A' && type_and_data.front() <= 'Z'; }
+  bool isLast() const { return type_and_data.starts_with("IEND"); }
+};
+
+/// Takes the next chunk of a PNG off the front of `rest`; nothing where it is not there as a whole.
+std::optional<PngChunk> takeChunk(std::string_view& rest) {
+  constexpr std::size_t kNumber = 4, kType = 4, kOverhead = kNumber + kType + kNumber;  // length, type and checksum
+  if (rest.size() < kOverhead) return {};
+  const std::size_t length = bigEndian(rest);
+  if (length > rest.size() - kOverhead) return {};
+  const PngChunk chunk{rest.substr(kNumber, kType + length), bigEndian(rest.substr(kNumber + kType + length))};
+  rest.remove_prefix(kOverhead + length);
+  return chunk;
+}
+
 bool pngIsWhole(std::string_view bytes) {
-  constexpr std::size_t kOverhead = 12;  // length, type and checksum
-  std::size_t at = kPngSignature.size();
-  while (at + kOverhead <= bytes.size()) {
-    const std::size_t length = bigEndian(bytes.substr(at));
-    const bool last = bytes.substr(at + 4, 4) == "IEND";
-    at += kOverhead + length;
-    if (last) return at <= bytes.size();
+  std::string_view rest = bytes.substr(kPngSignature.size());
+  while (const std::optional<PngChunk> chunk = takeChunk(rest)) {
+    if (chunk->isLast()) return true;
   }
   return false;
 }
@@ -51,15 +66,10 @@ std::uint32_t crc32(std::string_view bytes) {
 
 /// Whether a chunk that a picture needs is not what was written. libpng would say so on the standard error stream, and names no file.
 bool pngIsDamaged(std::string_view bytes) {
-  std::size_t at = kPngSignature.size();
-  while (at + 12 <= bytes.size()) {
-    const std::size_t length = bigEndian(bytes.substr(at));
-    if (length > bytes.size() - at - 12) return false;
-    const std::string_view type_and_data = bytes.substr(at + 4, 4 + length);
-    const bool needed = type_and_data.front() >= 'A' && type_and_data.front() <= 'Z';
-    if (needed && crc32(type_and_data) != bigEndian(bytes.substr(at + 8 + length))) return true;
-    if (type_and_data.starts_with("IEND")) return false;
-    at += 12 + length;
+  std::string_view rest = bytes.substr(kPngSignature.size());
+  while (const std::optional<PngChunk> chunk = takeChunk(rest)) {
+    if (chunk->isNeeded() && crc32(chunk->type_and_data) != chunk->checksum) return true;
+    if (chunk->isLast()) return false;
   }
   return false;
 }

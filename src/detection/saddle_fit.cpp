@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include "detection/gram_sum.hpp"
+#include "detection/lit_pixel.hpp"
 #include "detection/residual_noise.hpp"
 
 namespace poecal {
@@ -19,10 +20,9 @@ namespace {
 
 // Parameters: shift of the pattern along u and v, tilt of either line, blur, kurtosis, growth, black and its slopes, contrast and its
 // slopes; then the residual, and two columns of zeros that fill the last tile.
-constexpr int kBlur = 4, kKurtosis = 5, kGrowth = 6, kBlack = 7, kContrast = 10, kParameters = 13, kColumns = 16;
+constexpr int kBlur = 4, kKurtosis = 5, kGrowth = 6, kBlack = 7, kParameters = kBlur + kLitParameters, kColumns = 16;
 using Step = Eigen::Matrix<double, kParameters, 1>;
 using Rows = GramSum<kColumns, 4>;
-using Light = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kEdgeReach = 2.5;    // [blurs]; what an edge tells falls as exp(-d^2), to 0.2 % here
 constexpr double kHiddenReach = 3.0;  // [blurs]; 0.1 % of what lies beyond is mixed in
@@ -231,20 +231,12 @@ class Fit {
     const double u = view.uv.x() - cells_.middle(), v = view.uv.y() - cells_.middle();
     view.uv -= shift_ + Eigen::Vector2d(tilt_.x() * v, tilt_.y() * u);
     const Whiteness white = whiteness(pattern_, view, look_.spread, look_.growth);
-    const Eigen::Vector3d shading(1.0, pixel.unit.x(), pixel.unit.y());
-    const double black = shading.dot(look_.light.head<3>()), contrast = shading.dot(look_.light.tail<3>());
-    const Eigen::RowVector2d gradient = -contrast * white.J_value_uv;
+    const LitPixel lit = fillLit<kBlur>(pixel, white, look_.light, row);
+    const Eigen::RowVector2d gradient = -lit.contrast * white.J_value_uv;
     row.template head<4>() << gradient(0), gradient(1), gradient(0) * v, gradient(1) * u;
-    row(kBlur) = contrast * white.J_value_blur;
-    row(kKurtosis) = contrast * white.J_value_kurtosis;
-    row(kGrowth) = contrast * white.J_value_growth;
-    row.template segment<3>(kBlack) = shading;
-    row.template segment<3>(kContrast) = white.value * shading;
-    const double residual = pixel.grey - black - contrast * white.value;
-    row(kParameters) = residual;
     row.template tail<kColumns - kParameters - 1>().setZero();
     tally_.add(cells_.cell() * Eigen::Vector2d(u, v), gradient.transpose().cwiseProduct(view.slope), row);
-    return residual;
+    return lit.residual;
   }
 
   void measureResiduals() {

@@ -12,6 +12,7 @@
 #include "detection/edge_pixels.hpp"
 #include "detection/gram_sum.hpp"
 #include "detection/line_tally.hpp"
+#include "detection/lit_pixel.hpp"
 #include "detection/residual_noise.hpp"
 #include "detection/tag_appearance.hpp"
 
@@ -20,10 +21,9 @@ namespace {
 
 // Parameters: motion of the pattern or corners 0..7, blur, kurtosis, growth, black and its slopes, contrast and its slopes; then the
 // residual.
-constexpr int kBlur = 8, kKurtosis = 9, kGrowth = 10, kBlack = 11, kContrast = 14, kParameters = 17;
+constexpr int kBlur = 8, kKurtosis = 9, kGrowth = 10, kBlack = 11, kParameters = kBlur + kLitParameters;
 using Step = Eigen::Matrix<double, kParameters, 1>;
 using Rows = GramSum<kParameters + 1, 6>;
-using Light = Eigen::Matrix<double, 6, 1>;
 
 struct State {
   TagCorners straight;  ///< corners behind the lens
@@ -196,24 +196,16 @@ class Fit {
     TagView view = pixel.view;
     view.uv = map.cellOf(pixel.px_straight);
     const Whiteness white = whiteness(pattern_, view, state_.spread, state_.growth);
-    const Eigen::Vector3d shading(1.0, pixel.unit.x(), pixel.unit.y());
-    const double black = shading.dot(state_.light.head<3>()), contrast = shading.dot(state_.light.tail<3>());
+    const LitPixel lit = fillLit<kBlur>(pixel, white, state_.light, row);
     // Where the pattern moves by f, the pixel sees what lay at -f before.
-    const Eigen::RowVector2d gradient = -contrast * white.J_value_uv;
+    const Eigen::RowVector2d gradient = -lit.contrast * white.J_value_uv;
     const double u = view.uv.x(), v = view.uv.y(), both = gradient.dot(view.uv);
     row.template head<8>() << gradient(0), gradient(0) * u, gradient(0) * v, gradient(1), gradient(1) * u, gradient(1) * v, both * u,
         both * v;
-    row(kBlur) = contrast * white.J_value_blur;
-    row(kKurtosis) = contrast * white.J_value_kurtosis;
-    row(kGrowth) = contrast * white.J_value_growth;
-    row.template segment<3>(kBlack) = shading;
-    row.template segment<3>(kContrast) = white.value * shading;
-    const double residual = pixel.grey - black - contrast * white.value;
-    row(kParameters) = residual;
-    if (std::abs(residual) < kInliers * noise_) {
-      lines_.add(view.uv, contrast * white.J_value_uv.transpose().cwiseProduct(view.slope), residual);
+    if (std::abs(lit.residual) < kInliers * noise_) {
+      lines_.add(view.uv, lit.contrast * white.J_value_uv.transpose().cwiseProduct(view.slope), lit.residual);
     }
-    return residual;
+    return lit.residual;
   }
 
   void measureResiduals() {

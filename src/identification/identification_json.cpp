@@ -1,9 +1,7 @@
 // identification.json: what was found, how sure, and what the data could not see.
+#include "identification/identification_json.hpp"
+
 #include <cmath>
-
-#include <nlohmann/json.hpp>
-
-#include "poecal/identification/identify.hpp"
 
 namespace poecal {
 namespace {
@@ -114,7 +112,7 @@ Json suspects(const Identification& identification, const std::vector<Sample>& s
 
 }  // namespace
 
-std::string identificationJson(const Identification& identification, const std::vector<Sample>& samples) {
+Json identificationObject(const Identification& identification, const std::vector<Sample>& samples) {
   Json json;
   json["format"] = "poecal-identification/1";
   json["method"] = methodName(identification.method);
@@ -150,7 +148,11 @@ std::string identificationJson(const Identification& identification, const std::
   }
   json["suspects"] = suspects(identification, samples);
   json["warnings"] = identification.warnings;
-  return json.dump(2) + "\n";
+  return json;
+}
+
+std::string identificationJson(const Identification& identification, const std::vector<Sample>& samples) {
+  return identificationObject(identification, samples).dump(2) + "\n";
 }
 
 }  // namespace poecal

@@ -44,7 +44,7 @@ Json cellJson(const ResultSummary& summary, const std::filesystem::path& page) {
           {"verdict", orNull(summary.verdict)},
           {"why", summary.why},
           {"findings", findings},
-          {"structure_left", summary.structure_left || summary.gap_remains},
+          {"structure_left", summary.isUnexplained()},
           {"shrinkage", {orNull(summary.shrinkage), orNull(summary.shrinkage_low), orNull(summary.shrinkage_high)}},
           {"bad_samples", orNull(summary.bad_samples)},
           {"warnings", summary.warnings}};

@@ -6,6 +6,7 @@
 #include "poecal/report/report.hpp"
 #include "report/page_assets.hpp"
 #include "report/page_text.hpp"
+#include "report/report_json.hpp"
 #include "report/sample_pictures.hpp"
 
 namespace poecal {
@@ -28,8 +29,19 @@ std::filesystem::path folderOf(const std::string& pictures, const std::filesyste
   return pictures.empty() ? std::filesystem::path() : out / std::filesystem::path(pictures);
 }
 
-void writePage(const std::string& json, const std::string& pictures, const std::filesystem::path& out, int jobs) {
-  writeTextFile(out / "report.html", reportHtml(json, folderOf(pictures, out), jobs, out / ".stages" / "report-pictures"));
+/// @param json  text of `report`.
+std::string pageOf(const Json& report, const std::string& json, const std::filesystem::path& pictures, int jobs,
+                   const std::filesystem::path& kept) {
+  const PageAssets& assets = pageAssets();
+  const std::string data = inScript(json);
+  const std::size_t fixed = assets.html.size() + assets.style.size() + assets.program.size() + assets.d3.size() + data.size();
+  const std::size_t left = kMostBytes > fixed ? kMostBytes - fixed : 0;
+  return pageText(assets.program, data, inScript(samplePictures(report, pictures, left, jobs, kept)));
+}
+
+void writePage(const Json& report, const std::string& json, const std::filesystem::path& out, int jobs) {
+  const std::filesystem::path pictures = folderOf(report.at("pictures").get<std::string>(), out);
+  writeTextFile(out / "report.html", pageOf(report, json, pictures, jobs, out / ".stages" / "report-pictures"));
 }
 
 constexpr const char* kNotBuilt =
@@ -45,12 +57,7 @@ void requireReport() {
 
 std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept) {
   requireReport();
-  const PageAssets& assets = pageAssets();
-  const std::string data = inScript(json);
-  const std::size_t fixed = assets.html.size() + assets.style.size() + assets.program.size() + assets.d3.size() + data.size();
-  const std::size_t left = kMostBytes > fixed ? kMostBytes - fixed : 0;
-  const std::string shown = inScript(samplePictures(Json::parse(json), pictures, left, jobs, kept));
-  return pageText(assets.program, data, shown);
+  return pageOf(Json::parse(json), json, pictures, jobs, kept);
 }
 
 void writeReportData(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out) {
@@ -59,11 +66,11 @@ void writeReportData(const CalibrationRun& run, const std::filesystem::path& cap
 
 std::string writeReport(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs) {
   if (!run.calibration.identification) return "the arm was not identified";
-  const std::string pictures = noted(capture, out);
-  const std::string json = reportJson(run, pictures);
+  const Json report = reportObject(run, noted(capture, out));
+  const std::string json = reportText(report);
   writeTextFile(out / "report.json", json);
   if (!reportBuilt()) return kNotBuilt;
-  writePage(json, pictures, out, jobs);
+  writePage(report, json, out, jobs);
   return "";
 }
 
@@ -80,7 +87,7 @@ void renderReport(const std::filesystem::path& out, int jobs) {
     throw FileError(file, 0, "is no report, expected format poecal-report/1 as poecal run, identify and diagnose write it");
   }
   try {
-    writePage(text, report.at("pictures").get<std::string>(), out, jobs);
+    writePage(report, text, out, jobs);
   } catch (const Json::exception& problem) {
     throw FileError(file, 0, std::string("is not as it was written: ") + problem.what());
   }

@@ -1,9 +1,12 @@
+#include "report/report_json.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 
-#include "poecal/calibration/results.hpp"
+#include "calibration/results_json.hpp"
+#include "identification/identification_json.hpp"
 #include "poecal/capture/row_order.hpp"
 #include "poecal/report/report.hpp"
 #include "report/numbers.hpp"
@@ -99,7 +102,7 @@ Json cameraJson(const ReportSource& source) {
 
 }  // namespace
 
-std::string reportJson(const CalibrationRun& run, const std::string& pictures) {
+Json reportObject(const CalibrationRun& run, const std::string& pictures) {
   const Calibration& calibration = run.calibration;
   Measurements measured = run.measurements;
   standInByRowOrder(measured.samples);
@@ -145,10 +148,14 @@ std::string reportJson(const CalibrationRun& run, const std::string& pictures) {
             {"other_columns", measured.other_columns},
             {"arm", armJson(source)},
             {"samples", samplesJson(source)}};
-  json["identification"] = Json::parse(identificationJson(*calibration.identification, measured.samples));
+  json["identification"] = identificationObject(*calibration.identification, measured.samples);
   const bool diagnosed = calibration.diagnosis || !calibration.no_diagnosis.empty();
-  json["diagnosis"] = diagnosed ? Json::parse(diagnosisJson(calibration, measured)) : Json(nullptr);
-  return json.dump() + "\n";
+  json["diagnosis"] = diagnosed ? diagnosisObject(calibration, measured) : Json(nullptr);
+  return json;
 }
+
+std::string reportJson(const CalibrationRun& run, const std::string& pictures) { return reportText(reportObject(run, pictures)); }
+
+std::string reportText(const Json& report) { return report.dump() + "\n"; }
 
 }  // namespace poecal

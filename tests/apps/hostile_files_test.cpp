@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/small_cell.hpp"
 #include "poecal/capture/capture.hpp"
@@ -149,6 +150,7 @@ TEST(HostileNames, AreEscapedInSummariesAndWarnings) {
   EXPECT_THAT(text.out, HasSubstr("identified \\x1b[31mRED\\u009b\\u202e"));
   EXPECT_THAT(text.out, Not(HasSubstr("\nforged")));
   const test::ProgramRun json = test::runProgram(folder.path(), "identify capture --out out --json");
+  EXPECT_EQ(nlohmann::json::parse(json.out), nlohmann::json::parse(readTextFile(folder.path() / "out/identification.json")));
   for (const std::string& printed : {text.out, text.err, json.out, json.err}) {
     for (const char c : printed) EXPECT_TRUE(c == '\n' || (c >= 0x20 && c < 0x7f)) << static_cast<int>(c);
   }

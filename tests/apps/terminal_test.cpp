@@ -2,6 +2,7 @@
 #include "support/terminal.hpp"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/small_cell.hpp"
 #include "progress_line.hpp"
@@ -54,6 +55,33 @@ TEST(Warnings, EqualOnesArePrintedOnce) {
   ::testing::internal::CaptureStderr();
   listener.warnings(messages);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "poecal: warning: a skew is dropped (20 times)\npoecal: warning: another\n");
+}
+
+/// What is said with --json of JSON text, or of an object.
+std::string printedJson(const std::string& json) {
+  ::testing::internal::CaptureStdout();
+  app::printReport({.json = true}, "text", json);
+  return ::testing::internal::GetCapturedStdout();
+}
+std::string printedJson(const nlohmann::json& json) {
+  ::testing::internal::CaptureStdout();
+  app::printSummary({.json = true}, "text", json);
+  return ::testing::internal::GetCapturedStdout();
+}
+
+TEST(Json, OfPartsIsWhatOneWriterWrites) {
+  using Object = nlohmann::ordered_json;
+  const Object first{{"name", "Schw\u00e4nker\nof \"two\" lines"}, {"list", {1, 2.5, nullptr}}, {"none", Object::object()}},
+      second{{"a", {{"b", {}}}}};
+  const Object whole{{"first", first}, {"second", second}, {"third", 3}};
+  const std::string parts = app::jsonObject({{"first", first.dump(2)}, {"second", second.dump(2) + "\n"}, {"third", "3\n"}});
+  EXPECT_EQ(parts, whole.dump(2) + "\n");
+  EXPECT_EQ(printedJson(parts), whole.dump(2, ' ', true) + "\n");
+}
+
+TEST(Json, OfAnObjectAndOfItsTextAreAlike) {
+  const nlohmann::json json{{"folder", "\u00fcber\x7f/\U0001F916"}, {"files", {"a", "b"}}};
+  EXPECT_EQ(printedJson(json), printedJson(json.dump(2) + "\n"));
 }
 
 class Terminal : public ::testing::Test {

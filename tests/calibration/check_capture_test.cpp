@@ -68,6 +68,25 @@ class CheckCapture : public ::testing::Test {
   void takePictures(int count, unsigned width = 1280, unsigned height = 960) {
     for (int k = 0; k < count; ++k) folder_.write(fmt::format("capture/images/{:04}.png", k), pngHeader(width, height) + std::to_string(k));
   }
+  /// A new folder with so many rows and their pictures.
+  void createFilled(int rows) {
+    create();
+    fill(rows);
+    takePictures(rows);
+  }
+  /// A capture.yaml that names no robot, with `more` keys.
+  void forgetRobot(const std::string& more = "") {
+    folder_.write("capture/capture.yaml", "setup: eye_to_hand\ncamera: camera.yaml\ntarget: target.yaml\nsamples: samples.csv\n" + more);
+  }
+  /// What is said where the registration's transforms of these names are known.
+  std::vector<CheckItem> itemsWhereKnown(const std::vector<std::string>& transforms) {
+    std::string text = "format: poecal-registration/1\n";
+    for (const std::string& transform : transforms) {
+      text += transform + ": {position: [0.0, 0.0, 1.0], quaternion_xyzw: [0.0, 0.0, 0.0, 1.0], fixed: true}\n";
+    }
+    folder_.write("capture/known.yaml", text);
+    return check().items;
+  }
   fs::path file(const std::string& name) const { return folder_.path() / "capture" / name; }
   CaptureCheck check() const { return checkCapture(folder_.path() / "capture"); }
 
@@ -85,9 +104,7 @@ TEST_F(CheckCapture, ANewFolderSaysWhatIsStillEmpty) {
 }
 
 TEST_F(CheckCapture, AFilledOneCanBeCalibrated) {
-  create();
-  fill(45);
-  takePictures(45);
+  createFilled(45);
   const CaptureCheck good = check();
   EXPECT_EQ(good.exitStatus(), 0);
   EXPECT_THAT(good.items, Contains(says(CheckLevel::kOk, "samples", "45 rows, 45 poses, 0 of them taken more than once")));
@@ -98,9 +115,7 @@ TEST_F(CheckCapture, AFilledOneCanBeCalibrated) {
 }
 
 TEST_F(CheckCapture, FewPosesAreTooFewOrSaidToBe) {
-  create();
-  fill(4);
-  takePictures(4);
+  createFilled(4);
   EXPECT_EQ(check().exitStatus(), 4);
   EXPECT_THAT(check().items, Contains(says(CheckLevel::kTooLittle, "samples", "at least 7 poses are needed")));
   folder_.write("capture/samples.csv",
@@ -162,23 +177,19 @@ TEST_F(CheckCapture, AStillJointAndMillimetresAreNamed) {
 
 TEST_F(CheckCapture, AFlangeThatNeverTurnsAsksForTheRegistration) {
   create();
-  folder_.write("capture/capture.yaml", "setup: eye_to_hand\ncamera: camera.yaml\ntarget: target.yaml\nsamples: samples.csv\n");
+  forgetRobot();
   std::string text = "image,x,y,z,qx,qy,qz,qw\n";
   for (int row = 0; row < 10; ++row) text += fmt::format("images/{}.png,0.{},0.2,0.3,0,0,0,1\n", row, row);
   folder_.write("capture/samples.csv", text);
   EXPECT_THAT(check().items, Contains(says(CheckLevel::kTooLittle, "samples", "never turned by more than half a degree")));
 
-  folder_.write("capture/capture.yaml",
-                "setup: eye_to_hand\ncamera: camera.yaml\ntarget: target.yaml\nsamples: samples.csv\nregistration: known.yaml\n");
-  const std::string pose = "{position: [0.0, 0.0, 1.0], quaternion_xyzw: [0.0, 0.0, 0.0, 1.0], fixed: true}\n";
-  folder_.write("capture/known.yaml", "format: poecal-registration/1\nT_camera_base: " + pose);
-  EXPECT_THAT(check().items, AllOf(Contains(says(CheckLevel::kOk, "registration", "T_camera_base known beforehand")),
-                                   Contains(says(CheckLevel::kTooLittle, "samples", "both of its transforms known"))));
-  folder_.write("capture/known.yaml", "format: poecal-registration/1\nT_camera_base: " + pose + "T_flange_target: " + pose);
-  EXPECT_THAT(check().items, AllOf(Contains(says(CheckLevel::kOk, "registration", "T_camera_base and T_flange_target known beforehand")),
-                                   Not(Contains(Field(&CheckItem::level, CheckLevel::kTooLittle)))));
-  folder_.write("capture/known.yaml", "format: poecal-registration/1\nT_flange_camera: " + pose);
-  EXPECT_THAT(check().items, Contains(says(CheckLevel::kError, "registration", "known.yaml")));
+  forgetRobot("registration: known.yaml\n");
+  EXPECT_THAT(itemsWhereKnown({"T_camera_base"}), AllOf(Contains(says(CheckLevel::kOk, "registration", "T_camera_base known beforehand")),
+                                                        Contains(says(CheckLevel::kTooLittle, "samples", "both of its transforms known"))));
+  EXPECT_THAT(itemsWhereKnown({"T_camera_base", "T_flange_target"}),
+              AllOf(Contains(says(CheckLevel::kOk, "registration", "T_camera_base and T_flange_target known beforehand")),
+                    Not(Contains(Field(&CheckItem::level, CheckLevel::kTooLittle)))));
+  EXPECT_THAT(itemsWhereKnown({"T_flange_camera"}), Contains(says(CheckLevel::kError, "registration", "known.yaml")));
 }
 
 /// A small cell's files beside its corners, as `spoil` leaves them.

@@ -28,6 +28,23 @@ SampleTable tableOf(const std::vector<Sample>& samples) {
   return table;
 }
 
+/// Poses that an arm has at the samples' joints.
+SampleTable posesOf(const Arm& arm, const std::vector<Sample>& samples) {
+  SampleTable table = tableOf(samples);
+  for (Sample& sample : table.samples) sample.T_base_flange = forwardKinematics(arm, sample.q);
+  return table;
+}
+
+/// That at these joints alone.
+SampleTable poseAt(const Arm& arm, const Eigen::VectorXd& q) {
+  Sample sample;
+  sample.q = q;
+  return posesOf(arm, {sample});
+}
+
+/// An arm whose twists are off by up to `size`.
+Arm armNear(const Arm& arm, double size, Rng& rng) { return displaceTwists(arm, test::uniformVector(rng, twistParameterCount(arm), size)); }
+
 /// A flaw of every kind that moves the flange, at sizes far above those of real arms.
 std::vector<AppliedEffect> manyEffects(const test::RichCell& rich) {
   return {test::effectOf(rich, "joint_gain", "joint:1", {{"gain", 2e-3}}),
@@ -53,10 +70,9 @@ TEST(Compensate, ATrueArmWithEffectsGoesWhereTheNominalOneWould) {
   Rng rng(3);
   const test::RichCell rich = test::richCell(rng);
   const Arm& actual = *rich.cell.arm;
-  const Arm nominal = displaceTwists(actual, test::uniformVector(rng, twistParameterCount(actual), 2e-3));
+  const Arm nominal = armNear(actual, 2e-3, rng);
   const std::vector<AppliedEffect> effects = manyEffects(rich);
-  SampleTable wanted = tableOf(rich.samples);
-  for (Sample& sample : wanted.samples) sample.T_base_flange = forwardKinematics(nominal, sample.q);
+  const SampleTable wanted = posesOf(nominal, rich.samples);
   const std::vector<JointCommand> commands = compensate({.arm = actual, .effects = effects, .gravity = kGravity}, wanted);
   ASSERT_EQ(commands.size(), wanted.samples.size());
   for (std::size_t k = 0; k < commands.size(); ++k) {
@@ -92,8 +108,7 @@ TEST(Compensate, WhatDisturbsTheMeasurementAloneMovesNoCommand) {
                                            test::effectOf(rich, "time_offset", "timing", {{"offset", 0.1}}),
                                            test::effectOf(rich, "joint_scatter", "joint:2", {{"sigma", 0.1}})};
   for (const AppliedEffect& applied : effects) EXPECT_FALSE(movesFlange(applied.effect)) << applied.effect.name();
-  SampleTable wanted = tableOf(rich.samples);
-  for (Sample& sample : wanted.samples) sample.T_base_flange = forwardKinematics(*rich.cell.arm, sample.q);
+  const SampleTable wanted = posesOf(*rich.cell.arm, rich.samples);
   for (const JointCommand& command : compensate({.arm = *rich.cell.arm, .effects = effects}, wanted)) {
     EXPECT_THAT(command.q, test::IsNear(command.start, 1e-12));
   }
@@ -124,12 +139,9 @@ TEST(Compensate, WithoutStartsThePosesAreFoundAndFollowEachOther) {
 TEST(Compensate, ARedundantArmStaysNearItsStart) {
   Rng rng(7);
   const Arm actual = test::randomArm(rng, "RRRRRRR");
-  const Arm nominal = displaceTwists(actual, test::uniformVector(rng, twistParameterCount(actual), 1e-3));
-  SampleTable wanted;
-  Sample sample;
-  sample.q = test::uniformVector(rng, 7, 1.0);
-  sample.T_base_flange = forwardKinematics(nominal, sample.q);
-  wanted.samples = {sample};
+  const Arm nominal = armNear(actual, 1e-3, rng);
+  const SampleTable wanted = poseAt(nominal, test::uniformVector(rng, 7, 1.0));
+  const Sample& sample = wanted.samples.front();
   const JointCommand command = compensate({.arm = actual}, wanted).front();
   EXPECT_THAT(forwardKinematics(actual, command.q), test::PoseIsNear(*sample.T_base_flange, kPromised));
   // The least motion has no part along the joints' own motion that leaves the flange where it is, to the first order in its size.
@@ -143,13 +155,10 @@ TEST(Compensate, LimitsAreKeptAndTheReasonNamesTheJoint) {
   Rng rng(8);
   Arm arm = test::randomArm(rng, "RRRRRR");
   arm.joints[2].name = "elbow";
-  SampleTable wanted;
-  Sample sample;
-  sample.q = test::uniformVector(rng, 6, 0.8);
-  sample.T_base_flange = forwardKinematics(arm, sample.q);
-  wanted.samples = {sample};
-  wanted.samples.front().q(2) -= 0.2;
-  arm.joints[2].limits = JointLimits{sample.q(2) - 1.0, sample.q(2) - 0.1};
+  SampleTable wanted = poseAt(arm, test::uniformVector(rng, 6, 0.8));
+  double& elbow = wanted.samples.front().q(2);
+  arm.joints[2].limits = JointLimits{elbow - 1.0, elbow - 0.1};
+  elbow -= 0.2;
   const JointCommand command = compensate({.arm = arm}, wanted).front();
   EXPECT_THAT(command.why_not, StartsWith("q3 (elbow) would have to be "));
   EXPECT_THAT(command.why_not, HasSubstr("beyond its limits"));
@@ -160,13 +169,9 @@ TEST(Compensate, LimitsAreKeptAndTheReasonNamesTheJoint) {
 TEST(Compensate, APoseOutOfReachSaysHowFarItIs) {
   Rng rng(9);
   const Arm arm = test::randomArm(rng, "RRRRRR", 0.3);
-  SampleTable wanted;
-  Sample sample;
-  sample.line = 7;
-  sample.q = Eigen::VectorXd::Zero(6);
-  sample.T_base_flange = Eigen::Isometry3d::Identity();
-  sample.T_base_flange->translation().x() = 50.0;
-  wanted.samples = {sample};
+  SampleTable wanted = poseAt(arm, Eigen::VectorXd::Zero(6));
+  wanted.samples.front().line = 7;
+  wanted.samples.front().T_base_flange->translation().x() = 50.0;
   const std::vector<JointCommand> commands = compensate({.arm = arm}, wanted);
   EXPECT_THAT(commands.front().why_not, HasSubstr("no joints were found that reach it"));
   EXPECT_GT(commands.front().position_error, 40.0);
@@ -177,12 +182,9 @@ TEST(Compensate, APoseOutOfReachSaysHowFarItIs) {
 TEST(Compensate, AnArmOfFourJointsComesAsNearAsItCan) {
   Rng rng(10);
   const Arm actual = test::randomArm(rng, "RRRR");
-  const Arm nominal = displaceTwists(actual, test::uniformVector(rng, twistParameterCount(actual), 1e-3));
-  SampleTable wanted;
-  Sample sample;
-  sample.q = test::uniformVector(rng, 4, 0.8);
-  sample.T_base_flange = forwardKinematics(nominal, sample.q);
-  wanted.samples = {sample};
+  const Arm nominal = armNear(actual, 1e-3, rng);
+  const SampleTable wanted = poseAt(nominal, test::uniformVector(rng, 4, 0.8));
+  const Sample& sample = wanted.samples.front();
   const JointCommand command = compensate({.arm = actual}, wanted).front();
   EXPECT_THAT(command.why_not, IsEmpty());
   const auto missed = [&](const Eigen::VectorXd& q) {
@@ -204,8 +206,7 @@ TEST(Compensate, SidesComeFromTheOrderAndTimesDoNot) {
     sample.dir.resize(0);
     sample.stamp.reset();
   }
-  SampleTable wanted = tableOf(rich.samples);
-  for (Sample& sample : wanted.samples) sample.T_base_flange = forwardKinematics(*rich.cell.arm, sample.q);
+  const SampleTable wanted = posesOf(*rich.cell.arm, rich.samples);
   constexpr double kHalfGap = 5e-4;
   const auto commands =
       compensate({.arm = *rich.cell.arm, .effects = {test::effectOf(rich, "joint_backlash", "joint:1", {{"half_gap", kHalfGap}})}}, wanted);

@@ -1,6 +1,8 @@
 #include "poecal/core/printable.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 namespace poecal {
 namespace {
@@ -61,6 +63,32 @@ TEST(Printable, LongLinesLoseTheirMiddle) {
     EXPECT_THAT(printableLine(signs, longest), Not(HasSubstr("\\x"))) << "no sign is cut in two, " << longest;
   }
   EXPECT_EQ(printableText(std::string(5000, 'x') + "\nend\n").substr(kLongestPrintedLine), "\nend\n");
+}
+
+TEST(AsciiJson, IsWhatAWriterOfAsciiWrites) {
+  nlohmann::ordered_json json;
+  json["Schw\u00e4nker"] = {0.1, 1e300, -0.0, 7, true, nullptr, nlohmann::json::object(), nlohmann::json::array()};
+  json["signs"] = std::string("\0\x1f \"\\/\x7f", 8) + "\u0080\u009b\u202e\ufeff\uffff\U00010000\U0001F916\U0010FFFF";
+  for (const int indent : {-1, 2}) {
+    EXPECT_EQ(asciiJson(json.dump(indent)), json.dump(indent, ' ', true));
+  }
+  EXPECT_EQ(asciiJson(""), "");
+  EXPECT_EQ(asciiJson("{\"a\": 1}\n"), "{\"a\": 1}\n");
+}
+
+TEST(AsciiJson, OfEverySignIsThatSign) {
+  for (std::uint32_t code = 0x7f; code < 0x11000; code += code < 0x300 ? 1 : 97) {
+    if (code >= 0xD800 && code < 0xE000) continue;
+    const std::string escape =
+        code < 0x10000 ? fmt::format("\\u{:04x}", code) : fmt::format("\\u{:04x}\\u{:04x}", 0xD7C0 + (code >> 10), 0xDC00 + (code & 0x3FF));
+    const auto sign = nlohmann::json::parse("\"" + escape + "\"").get<std::string>();
+    EXPECT_EQ(asciiJson("\"a" + sign + "b\""), "\"a" + escape + "b\"") << code;
+  }
+}
+
+TEST(AsciiJson, WhatIsNotUtf8IsReplacedByteByByte) {
+  EXPECT_EQ(asciiJson("\"Schw\xe4nker\""), "\"Schw\\ufffdnker\"");
+  EXPECT_EQ(asciiJson("\"\xc0\xaf\""), "\"\\ufffd\\ufffd\"");
 }
 
 }  // namespace

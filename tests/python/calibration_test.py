@@ -161,6 +161,27 @@ class OtherCalls(unittest.TestCase):
         row = dict(zip(poecal.fleetColumns(), poecal.fleetRow(summaries[0])))
         self.assertEqual(row["pictures"], "60")
 
+    def test_pages(self):
+        if not poecal.reportBuilt():
+            with self.assertRaisesRegex(poecal.InvalidArgument, "D3"):
+                poecal.fleetHtml([], "fleet.html")
+            self.skipTest("this build makes no pages")
+        page = cells.new_folder() / "fleet.html"
+        cells.done("fleet", cells.results(), "--out", page.with_suffix(".csv"), "--page", page)
+        self.assertEqual(poecal.fleetHtml([poecal.readResults(cells.results())], page), page.read_text())
+        out = cells.new_folder()
+        for file in ("report.json", "report.html"):
+            (out / file).write_bytes((cells.results() / file).read_bytes())
+        (out / "report.html").unlink()
+        poecal.renderReport(out)
+        self.assertEqual((out / "report.html").read_bytes(), (cells.results() / "report.html").read_bytes())
+        with self.assertRaisesRegex(poecal.FileError, "report.json: there is none"):
+            poecal.renderReport(cells.new_folder())
+
+    def test_report_data_are_the_program_s(self):
+        told = json.loads((cells.results() / "report.json").read_text())
+        self.assertEqual(json.loads(poecal.reportJson(calibrated(), told["pictures"])), told)
+
 
 class FromMemory(unittest.TestCase):
     def test_arrays_give_the_model_that_files_give(self):

@@ -78,6 +78,31 @@ class OfACapture(unittest.TestCase):
         self.assertEqual(len(result.detections.find(note.image).corners), 0)
 
 
+class OfACameraWithoutASize(unittest.TestCase):
+    def capture(self):
+        folder = cells.new_folder() / "capture"
+        shutil.copytree(cells.pictures_capture(), folder)
+        lines = (folder / "camera.yaml").read_text().splitlines()
+        kept = [line for line in lines if not line.startswith(("image_width", "image_height"))]
+        self.assertEqual(len(kept), len(lines) - 2)
+        (folder / "camera.yaml").write_text("\n".join(kept) + "\n")
+        return folder
+
+    def test_takes_that_of_the_pictures(self):
+        capture = poecal.readCapture(self.capture())
+        self.assertEqual((capture.camera.width, capture.camera.height), (0, 0))
+        poecal.takeSizeFromPictures(capture)
+        known = poecal.readCapture(cells.pictures_capture()).camera
+        self.assertEqual((capture.camera.width, capture.camera.height), (known.width, known.height))
+        self.assertEqual(len(poecal.detectCapture(capture).notes), 0)
+
+    def test_needs_a_picture(self):
+        folder = self.capture()
+        shutil.rmtree(folder / "images")
+        with self.assertRaisesRegex(poecal.FileError, "states no image_width"):
+            poecal.takeSizeFromPictures(poecal.readCapture(folder))
+
+
 class OfPictures(unittest.TestCase):
     def test_are_searched_once(self):
         folder, file = cells.pictures_capture() / "images", cells.new_folder() / "known.corners"

@@ -44,11 +44,29 @@ def arguments_of(function):
     return [argument.arg for argument in every if argument.arg != "self"]
 
 
-def arguments_of_call(call):
-    """Names in the signature that pybind11 writes."""
-    signature = call.__doc__.split("\n")[0]
+def arguments_in(signature):
+    """Names in a signature that pybind11 writes."""
     inner = re.sub(r"\[[^\[\]]*\]", "", re.sub(r"\[[^\[\]]*\]", "", signature[signature.index("(") + 1 : signature.rindex(" -> ")]))
     return [name for name in re.findall(r"(?:^|, )(\w+): ", inner) if name != "self"]
+
+
+def arguments_of_call(call):
+    return arguments_in(call.__doc__.split("\n")[0])
+
+
+def arguments_of_overloads(call):
+    """Of each way to call a function: one signature is the first line, several are numbered."""
+    numbered = re.findall(r"^\d+\. (\w+\(.* -> .*)$", call.__doc__, re.MULTILINE)
+    return [arguments_in(signature) for signature in numbered or call.__doc__.split("\n")[:1]]
+
+
+def functions_of_stub():
+    """The nodes of each function by its name: several where it is overloaded."""
+    functions = {}
+    for node in ast.parse(STUB.read_text()).body:
+        if isinstance(node, ast.FunctionDef):
+            functions.setdefault(node.name, []).append(node)
+    return functions
 
 
 def stubbed():
@@ -80,9 +98,8 @@ class Stub(unittest.TestCase):
                     self.assertEqual(final, vars(kind)[member].fset is None, f"{name}.{member}")
 
     def test_has_the_arguments_of_each_function(self):
-        for name, node in stubbed().items():
-            if isinstance(node, ast.FunctionDef):
-                self.assertEqual(arguments_of(node), arguments_of_call(getattr(poecal, name)), name)
+        for name, nodes in functions_of_stub().items():
+            self.assertEqual([arguments_of(node) for node in nodes], arguments_of_overloads(getattr(poecal, name)), name)
         for name, kind in classes().items():
             for member, node in names_in(stubbed()[name].body).items():
                 doc = getattr(kind, member, None).__doc__ or ""  # of an alias it begins with the other name
@@ -123,7 +140,7 @@ def annotations_in(body):
 def found_objects():
     """Objects of as many classes as there are, from real calls."""
     made = [kind() for kind in classes().values() if hasattr(kind, "__copy__")]
-    return made + calibrated_objects() + planned_objects() + picture_objects()
+    return made + calibrated_objects() + planned_objects() + picture_objects() + pose_objects()
 
 
 def calibrated_objects():
@@ -165,6 +182,14 @@ def picture_objects():
         scene, summary, found, unseen, poecal.readBoardPictures(cells.board_folder()), poecal.paperNamed("a4"),
         poecal.drawTargetSheet(other, poecal.paperNamed("a4")),
     ]  # fmt: skip
+
+
+def pose_objects():
+    """Of an instrument's poses."""
+    arm = poecal.readRobotYaml(cells.SOURCE / "calib_data/puma560/robot.yaml")
+    table = poecal.paperPoses(arm)
+    registration = poecal.registerPoses(poecal.Cell(arm=arm), poecal.measurementsOf(table).observations)
+    return [table, registration, *poecal.paperExperiment(arm, arm, poecal.PaperOptions(seeds=1, poses=20, test_poses=2))]
 
 
 def parts_of(value):

@@ -73,6 +73,9 @@ struct ResultSummary {
   std::optional<double> joint_repeatability;   ///< of the diagnosis [rad]
   std::optional<double> arm_beyond_tolerance;  ///< likewise
 
+  /// Whether something is left that no finding explains, of either kind.
+  bool isUnexplained() const { return structure_left || gap_remains; }
+
   /// The errors of a stage; nothing where it is not there.
   const StageErrors* stage(const std::string& stage) const;
 };

@@ -17,4 +17,9 @@ std::string printableLine(std::string_view text, std::size_t longest = kLongestP
 /// printableLine() of each line of `text`; the ends of lines stay.
 std::string printableText(std::string_view text, std::size_t longest_line = kLongestPrintedLine);
 
+/// JSON text with the same content in printable ASCII and line ends alone: every other sign, U+007F too, becomes `\u` and four digits,
+/// above U+FFFF two such (RFC 8259, section 7); a byte that is not UTF-8 becomes `\ufffd`.
+/// @param json  text of JSON without control characters outside its indents.
+std::string asciiJson(std::string_view json);
+
 }  // namespace poecal
