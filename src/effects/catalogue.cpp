@@ -201,6 +201,7 @@ Effect instantiate(const EffectKind& kind, std::size_t index, const Driver& driv
   effect.parameters_ = effect.by_masses_               ? by_masses
                        : kind.parameters_of == nullptr ? kind.parameters
                                                        : kind.parameters_of(driver, parameters);
+  if (kind.parameters_of != nullptr) effect.curve_terms_ = std::make_shared<CurveTerms>(curveTermsOf(kind.place, effect.parameters_));
   const bool slides = kind.place == PlaceKind::kJoint && cell.arm->joints[index].type == JointType::kPrismatic;
   effect.start_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(effect.parameters_.size()));
   for (std::size_t i = 0; i < effect.parameters_.size(); ++i) {

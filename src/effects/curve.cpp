@@ -7,7 +7,6 @@
 #include <limits>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,12 +67,6 @@ std::vector<EffectParameter> jointParameters(const Driver& driver, const std::ma
   for (int j = 1; j <= lastOf("c", given); ++j) parameters.push_back({fmt::format("c{}", j), "rad", 1e-4});
   return parameters;
 }
-
-/// "rx_cos(5.5)": a factor of a sway that comes and goes 5.5 times over the range.
-struct NamedSway {
-  bool sine = false;
-  double cycles = 0.0;
-};
 
 std::string swayName(const std::string& axis, const NamedSway& sway) {
   return fmt::format("{}_{}({})", axis, sway.sine ? "sin" : "cos", sway.cycles);
@@ -158,8 +151,9 @@ double waveAt(const Effect& effect, const Eigen::VectorXd& parameters, const Sam
 
 void bendJoint(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& parameters, const SampleContext& context, double amount,
                Disturbance& disturbance) {
-  if (const auto named = namedWave(effect.parameters()[static_cast<std::size_t>(i)].name)) {
-    kinds::jointPort(effect, disturbance) += amount * named->at(context.sample.q);
+  const std::vector<NamedWave>& waves = effect.curveTerms()->waves;
+  if (!waves.empty()) {
+    kinds::jointPort(effect, disturbance) += amount * waves[static_cast<std::size_t>(i)].at(context.sample.q);
     return;
   }
   kinds::jointPort(effect, disturbance) += amount * waveAt(effect, parameters, context, i - kRange, parameters.size() - kRange);
@@ -170,20 +164,25 @@ void bendMount(const Effect& effect, Eigen::Index i, const Eigen::VectorXd& para
                Disturbance& disturbance) {
   const Eigen::Index count = (parameters.size() - kRange) / static_cast<Eigen::Index>(kAxes.size());
   const Eigen::Index axis = (i - kRange) / count, j = (i - kRange) % count;
-  if (const auto sway = namedSway(effect.parameters()[static_cast<std::size_t>(i)].name)) {
-    const CurveRange range{parameters(0), parameters(1)};
-    (disturbance.*port)(axis) += amount * range.sways(driverValue(effect.driver(), context), {sway->cycles})(sway->sine ? 1 : 0);
+  const std::vector<NamedSway>& sways = effect.curveTerms()->sways;
+  if (!sways.empty()) {
+    const NamedSway& sway = sways[static_cast<std::size_t>(i - kRange)];
+    (disturbance.*port)(axis) += amount * sway.at({parameters(0), parameters(1)}, driverValue(effect.driver(), context));
     return;
   }
   (disturbance.*port)(axis) += amount * waveAt(effect, parameters, context, j, count);
 }
 
+double pixelWave(const Eigen::Vector2d& px, const Camera& camera, const std::pair<int, int>& order) {
+  return std::cos(M_PI * order.first * px.x() / camera.width) * std::cos(M_PI * order.second * px.y() / camera.height);
+}
+
 void bendLens(const Effect& effect, Eigen::Index i, const Eigen::VectorXd&, const SampleContext& context, double amount,
               Disturbance& disturbance) {
-  const int orders = ordersOf(effect.start().size() / 2);
+  const std::pair<int, int>& order = effect.curveTerms()->pixels[static_cast<std::size_t>(i / 2)];
   for (std::size_t point = 0; point < context.points.size(); ++point) {
     const Eigen::Vector2d px = context.points[point].px;
-    if (px.allFinite()) disturbance.pixels[point](i % 2) += amount * pixelWaves(px, *context.capture->cell.camera, orders)(i / 2);
+    if (px.allFinite()) disturbance.pixels[point](i % 2) += amount * pixelWave(px, *context.capture->cell.camera, order);
   }
 }
 
@@ -229,10 +228,12 @@ double driverValue(const Driver& driver, const SampleContext& context) {
 
 bool hasDriver(const Driver& driver, const SampleContext& context) {
   if (driver.kind() != DriverKind::kReadings) return !std::isnan(driverValue(driver, context));
-  std::istringstream words(driver.name());
-  bool all = true;
-  for (std::string word; all && std::getline(words, word, ',');) all = !std::isnan(driverValue(Driver(word), context));
-  return all;
+  const Eigen::VectorXd& q = context.sample.q;
+  const auto has = [&q](std::size_t joint) {
+    const auto k = static_cast<Eigen::Index>(joint);
+    return k < q.size() && !std::isnan(q(k));
+  };
+  return std::all_of(driver.joints().begin(), driver.joints().end(), has);
 }
 
 Eigen::RowVectorXd CurveRange::waves(double value, Eigen::Index count) const {
@@ -249,14 +250,28 @@ Eigen::RowVectorXd CurveRange::waves(double value, Eigen::Index count) const {
 }
 
 Eigen::RowVectorXd CurveRange::sways(double value, const std::vector<double>& cycles) const {
-  Eigen::RowVectorXd all = Eigen::RowVectorXd::Zero(2 * static_cast<Eigen::Index>(cycles.size()));
-  if (std::isnan(value)) return all;
-  const double x = std::clamp((value - low) / (high - low), 0.0, 1.0);
-  for (std::size_t k = 0; k < cycles.size(); ++k) {
-    const double phase = 2.0 * M_PI * cycles[k] * x;
-    all.segment<2>(2 * static_cast<Eigen::Index>(k)) << std::cos(phase), std::sin(phase);
+  Eigen::RowVectorXd all(2 * static_cast<Eigen::Index>(cycles.size()));
+  Eigen::Index next = 0;
+  for (const double f : cycles) {
+    for (const bool sine : {false, true}) all(next++) = NamedSway{sine, f}.at(*this, value);
   }
   return all;
+}
+
+double NamedSway::at(const CurveRange& range, double value) const {
+  if (std::isnan(value)) return 0.0;
+  const double phase = 2.0 * M_PI * cycles * std::clamp((value - range.low) / (range.high - range.low), 0.0, 1.0);
+  return sine ? std::sin(phase) : std::cos(phase);
+}
+
+CurveTerms curveTermsOf(PlaceKind place, const std::vector<EffectParameter>& parameters) {
+  CurveTerms terms;
+  if (place == PlaceKind::kCameraLens) terms.pixels = pixelOrders(ordersOf(static_cast<Eigen::Index>(parameters.size() / 2)));
+  for (const EffectParameter& parameter : parameters) {
+    if (const auto wave = namedWave(parameter.name)) terms.waves.push_back(*wave);
+    if (const auto sway = namedSway(parameter.name)) terms.sways.push_back(*sway);
+  }
+  return terms;
 }
 
 std::vector<std::pair<int, int>> pixelOrders(int orders) {
@@ -272,10 +287,7 @@ std::vector<std::pair<int, int>> pixelOrders(int orders) {
 Eigen::RowVectorXd pixelWaves(const Eigen::Vector2d& px, const Camera& camera, int orders) {
   const std::vector<std::pair<int, int>> all = pixelOrders(orders);
   Eigen::RowVectorXd waves(static_cast<Eigen::Index>(all.size()));
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    waves(static_cast<Eigen::Index>(k)) =
-        std::cos(M_PI * all[k].first * px.x() / camera.width) * std::cos(M_PI * all[k].second * px.y() / camera.height);
-  }
+  for (std::size_t k = 0; k < all.size(); ++k) waves(static_cast<Eigen::Index>(k)) = pixelWave(px, camera, all[k]);
   return waves;
 }
 

@@ -31,10 +31,26 @@ struct CurveRange {
   Eigen::RowVectorXd sways(double value, const std::vector<double>& cycles) const;
 };
 
+/// A factor of a sway that comes and goes so many times over the range, as its name "rx_cos(5.5)" says it.
+struct NamedSway {
+  bool sine = false;
+  double cycles = 0.0;
+  /// cos(2 pi f x) or sin(2 pi f x); zero where the value is NaN.
+  double at(const CurveRange& range, double value) const;
+};
+
 /// cos(pi i u / width) cos(pi j v / height) of a pixel, for i, j >= 0 and 1 <= i + j <= orders, by i and then j.
 Eigen::RowVectorXd pixelWaves(const Eigen::Vector2d& px, const Camera& camera, int orders);
 /// i and j of each.
 std::vector<std::pair<int, int>> pixelOrders(int orders);
+
+/// What the parameters of a curve are factors of. Names are long to read: once, not at every sample.
+struct CurveTerms {
+  std::vector<NamedWave> waves;             ///< joint: of each parameter; empty for a curve of one driver
+  std::vector<NamedSway> sways;             ///< mount: of each parameter behind the range; empty for a curve
+  std::vector<std::pair<int, int>> pixels;  ///< lens: of each two parameters, along u and v
+};
+CurveTerms curveTermsOf(PlaceKind place, const std::vector<EffectParameter>& parameters);
 
 /// The effect `unknown`: a curve at a joint's reading, the camera's mount, the target's mount (each of their six numbers its own curve),
 /// or, driven by the pixel, at the lens (u and v each its own).

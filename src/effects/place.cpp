@@ -17,6 +17,20 @@ std::optional<std::size_t> indexAfter(std::string_view word, std::string_view pr
   return number > 0 ? std::optional(static_cast<std::size_t>(number - 1)) : std::nullopt;
 }
 
+/// Of "q1,q3,q4"; none where `name` is no such list.
+std::vector<std::size_t> jointsIn(std::string_view name) {
+  std::vector<std::size_t> joints;
+  if (name.find(',') == std::string_view::npos) return joints;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find(',', begin), name.size());
+    const std::optional<std::size_t> joint = indexAfter(name.substr(begin, end - begin), "q");
+    if (!joint) return {};
+    joints.push_back(*joint);
+    begin = end + 1;
+  }
+  return joints;
+}
+
 constexpr std::array<std::pair<const char*, DriverKind>, 6> kWords = {{{"dq", DriverKind::kVelocity},
                                                                        {"gravity", DriverKind::kGravity},
                                                                        {"stamp", DriverKind::kStamp},
@@ -84,13 +98,8 @@ Driver::Driver(std::string name) : name_(std::move(name)) {
     joint_ = *index;
     return;
   }
-  bool readings = name_.find(',') != std::string::npos;
-  for (std::size_t begin = 0; readings && begin <= name_.size();) {
-    const std::size_t end = std::min(name_.find(',', begin), name_.size());
-    readings = indexAfter(name_.substr(begin, end - begin), "q").has_value();
-    begin = end + 1;
-  }
-  kind_ = readings ? DriverKind::kReadings : DriverKind::kColumn;
+  joints_ = jointsIn(name_);
+  kind_ = joints_.empty() ? DriverKind::kColumn : DriverKind::kReadings;
 }
 
 }  // namespace poecal

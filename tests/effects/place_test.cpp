@@ -9,6 +9,9 @@
 namespace poecal {
 namespace {
 
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
 TEST(Place, IsFoundByItsName) {
   for (int kind = 0; kind <= static_cast<int>(PlaceKind::kSamples); ++kind) {
     const Place place{static_cast<PlaceKind>(kind), isNumbered(static_cast<PlaceKind>(kind)) ? 11U : 0U};
@@ -45,6 +48,11 @@ TEST(Driver, IsWhatItsNameSays) {
     EXPECT_EQ(driver.joint(), each.joint) << each.name;
     EXPECT_EQ(driver.name(), each.name);
   }
+}
+
+TEST(Driver, OfSeveralReadingsNamesTheirJoints) {
+  EXPECT_THAT(Driver("q1,q4,q12").joints(), ElementsAre(0, 3, 11));
+  for (const char* other : {"q3", "tau2", "load", "q1,load", "q1,", ""}) EXPECT_THAT(Driver(other).joints(), IsEmpty()) << other;
 }
 
 TEST(Driver, EveryDriverOfTheCatalogueIsNoColumn) {

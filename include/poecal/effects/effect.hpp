@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,7 @@ struct EffectParameter {
 };
 
 struct EffectKind;
+struct CurveTerms;
 
 /// One effect at one place. Made by the catalogue.
 class Effect {
@@ -68,6 +70,8 @@ class Effect {
   const std::vector<EffectParameter>& parameters() const { return parameters_; }
   /// Values that the instance begins with: its fixed parameters as given, all others 0.
   const Eigen::VectorXd& start() const { return start_; }
+  /// What the parameters of `unknown` are factors of, as their names say; nullptr for others.
+  const CurveTerms* curveTerms() const { return curve_terms_.get(); }
   /// Index of a parameter. @throws InvalidArgument with the names that there are.
   Eigen::Index parameterIndex(const std::string& name) const;
 
@@ -99,6 +103,7 @@ class Effect {
   bool by_masses_ = false;
   std::vector<EffectParameter> parameters_;
   Eigen::VectorXd start_;
+  std::shared_ptr<const CurveTerms> curve_terms_;
 };
 
 /// An effect with values, as scenes and models hold it.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace poecal {
 
@@ -66,6 +67,8 @@ class Driver {
   DriverKind kind() const { return kind_; }
   /// Index from 0 of the joint, of kReading, kTorque and kDirection; 0 of others.
   std::size_t joint() const { return joint_; }
+  /// Indices from 0 of the joints of kReadings, as named; empty of others.
+  const std::vector<std::size_t>& joints() const { return joints_; }
   /// Whether readings of joints alone drive it.
   bool isPosture() const { return kind_ == DriverKind::kReading || kind_ == DriverKind::kReadings; }
   bool operator==(const Driver& other) const { return name_ == other.name_; }
@@ -75,6 +78,7 @@ class Driver {
   std::string name_;
   DriverKind kind_ = DriverKind::kNone;
   std::size_t joint_ = 0;
+  std::vector<std::size_t> joints_;
 };
 
 }  // namespace poecal
