@@ -204,7 +204,9 @@ bool mayHoldNames(const FoundEffect& found) {
 
 /// Whether a driver is another, or readings of which the other is one: "q1,q3" includes "q3".
 bool includes(const Driver& driver, const Driver& other) {
-  return ("," + driver.name() + ",").find("," + other.name() + ",") != std::string::npos;
+  const std::vector<std::size_t>& joints = driver.joints();
+  return driver == other ||
+         (other.kind() == DriverKind::kReading && std::find(joints.begin(), joints.end(), other.joint()) != joints.end());
 }
 
 /// Whether structure beside an effect is its own shape, which then has no name: what the effect's own driver drives alone, or whatever of
