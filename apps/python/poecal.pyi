@@ -634,6 +634,10 @@ class Diagnosis:
     def noiseKnown(self) -> bool: ...
     noise_known = noiseKnown
 
+class TextLength(_Enum):
+    kWhole: ClassVar[TextLength]
+    kScreen: ClassVar[TextLength]
+
 class ModelSource(_Enum):
     kIdentified: ClassVar[ModelSource]
     kDiagnosed: ClassVar[ModelSource]
@@ -1422,7 +1426,7 @@ def commandsCsv(wanted: SampleTable, commands: Sequence[JointCommand]) -> str:
     """Text of the table of commands."""
 commands_csv = commandsCsv
 
-def diagnosisText(diagnosis: Diagnosis, samples: Sequence[Sample]) -> str:
+def diagnosisText(diagnosis: Diagnosis, samples: Sequence[Sample], length: TextLength = ...) -> str:
     """The diagnosis in sentences."""
 diagnosis_text = diagnosisText
 

@@ -50,7 +50,7 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
     std::string text = registrationText(run);
     std::vector<std::pair<std::string, std::string>> json{{"measure", registrationSummaryJson(run)}};
     if (calibration.identification) {
-      text += identificationText(run) + diagnosisSummary(run);
+      text += identificationText(run) + diagnosisSummary(run, TextLength::kScreen);
       json.emplace_back("identify", identificationJson(*calibration.identification, run.measurements.samples));
       json.emplace_back("diagnose", diagnosisJson(calibration, run.measurements));
     }
