@@ -821,9 +821,10 @@ class IntrinsicsOptions:
     robust: bool
     bad_view_sigmas: float
     bad_view_factor: float
+    progress: _Progress | None
     def __init__(
         self, *, model: DistortionModel = ..., max_iterations: int = ..., robust: bool = ..., bad_view_sigmas: float = ...,
-        bad_view_factor: float = ...
+        bad_view_factor: float = ..., progress: _Progress | None = ...
     ) -> None: ...
     def __copy__(self) -> IntrinsicsOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> IntrinsicsOptions: ...
@@ -888,7 +889,8 @@ class CheckOptions:
     """Options of a check."""
     detect: int
     jobs: int
-    def __init__(self, *, detect: int = ..., jobs: int = ...) -> None: ...
+    progress: _Progress | None
+    def __init__(self, *, detect: int = ..., jobs: int = ..., progress: _Progress | None = ...) -> None: ...
     def __copy__(self) -> CheckOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> CheckOptions: ...
 
@@ -1165,10 +1167,11 @@ class PlanOptions:
     detect_size: float
     odds: float
     jobs: int
+    progress: _Progress | None
     def __init__(
         self, *, aim: PlanAim = ..., criterion: PlanCriterion = ..., count: int = ..., candidates: int = ..., seed: int = ...,
         link_radius: float = ..., camera_radius: float = ..., floor: float | None = ..., detect: str = ..., detect_size: float = ...,
-        odds: float = ..., jobs: int = ...
+        odds: float = ..., jobs: int = ..., progress: _Progress | None = ...
     ) -> None: ...
     def __copy__(self) -> PlanOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> PlanOptions: ...
@@ -1419,7 +1422,7 @@ def reachedPoses(arm: RealArm, commands: SampleTable) -> _Array:
     """T_base_flange that each command really reaches, effects included: N x 4 x 4."""
 reached_poses = reachedPoses
 
-def compensate(arm: RealArm, wanted: SampleTable, start_arm: Arm | None = ...) -> list[JointCommand]:
+def compensate(arm: RealArm, wanted: SampleTable, start_arm: Arm | None = ..., listener: Listener | None = ...) -> list[JointCommand]:
     """The joints to command so that the arm reaches T_base_flange of each row."""
 
 def commandsCsv(wanted: SampleTable, commands: Sequence[JointCommand]) -> str:
@@ -1509,7 +1512,7 @@ def writeResults(calibration: Calibration, measurements: Measurements, files: Re
     """Writes what the calibration holds of these files into `out`."""
 write_results = writeResults
 
-def writeReport(run: CalibrationRun, capture: _Path, out: _Path, jobs: int = ...) -> str:
+def writeReport(run: CalibrationRun, capture: _Path, out: _Path, jobs: int = ..., listener: Listener | None = ...) -> str:
     """Writes report.json and report.html; says why there is no page, or nothing."""
 write_report = writeReport
 
@@ -1587,7 +1590,7 @@ def imageOptions(scene: Scene, index: int) -> ImageOptions:
     """How a scene's picture of this number is drawn."""
 image_options = imageOptions
 
-def drawSamples(scene: Scene) -> SampleTable:
+def drawSamples(scene: Scene, options: SimulateOptions = ...) -> SampleTable:
     """Joint readings of a scene [rad] or [m]: from its file, or drawn within the limits with the target in view."""
 draw_samples = drawSamples
 

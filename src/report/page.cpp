@@ -28,8 +28,9 @@ std::filesystem::path folderOf(const std::string& pictures, const std::filesyste
   return pictures.empty() ? std::filesystem::path() : out / std::filesystem::path(pictures);
 }
 
-void writePage(const std::string& json, const std::string& pictures, const std::filesystem::path& out, int jobs) {
-  writeTextFile(out / "report.html", reportHtml(json, folderOf(pictures, out), jobs, out / ".stages" / "report-pictures"));
+void writePage(const std::string& json, const std::string& pictures, const std::filesystem::path& out, int jobs,
+               const ProgressFunction& progress) {
+  writeTextFile(out / "report.html", reportHtml(json, folderOf(pictures, out), jobs, out / ".stages" / "report-pictures", progress));
 }
 
 constexpr const char* kNotBuilt =
@@ -43,13 +44,14 @@ void requireReport() {
   if (!reportBuilt()) throw InvalidArgument(kNotBuilt);
 }
 
-std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept) {
+std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept,
+                       const ProgressFunction& progress) {
   requireReport();
   const PageAssets& assets = pageAssets();
   const std::string data = inScript(json);
   const std::size_t fixed = assets.html.size() + assets.style.size() + assets.program.size() + assets.d3.size() + data.size();
   const std::size_t left = kMostBytes > fixed ? kMostBytes - fixed : 0;
-  const std::string shown = inScript(samplePictures(Json::parse(json), pictures, left, jobs, kept));
+  const std::string shown = inScript(samplePictures(Json::parse(json), pictures, left, jobs, kept, progress));
   return pageText(assets.program, data, shown);
 }
 
@@ -57,17 +59,18 @@ void writeReportData(const CalibrationRun& run, const std::filesystem::path& cap
   if (run.calibration.identification) writeTextFile(out / "report.json", reportJson(run, noted(capture, out)));
 }
 
-std::string writeReport(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs) {
+std::string writeReport(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs,
+                        const ProgressFunction& progress) {
   if (!run.calibration.identification) return "the arm was not identified";
   const std::string pictures = noted(capture, out);
   const std::string json = reportJson(run, pictures);
   writeTextFile(out / "report.json", json);
   if (!reportBuilt()) return kNotBuilt;
-  writePage(json, pictures, out, jobs);
+  writePage(json, pictures, out, jobs, progress);
   return "";
 }
 
-void renderReport(const std::filesystem::path& out, int jobs) {
+void renderReport(const std::filesystem::path& out, int jobs, const ProgressFunction& progress) {
   requireReport();
   const std::filesystem::path file = out / "report.json";
   std::error_code status;
@@ -80,7 +83,7 @@ void renderReport(const std::filesystem::path& out, int jobs) {
     throw FileError(file, 0, "is no report, expected format poecal-report/1 as poecal run, identify and diagnose write it");
   }
   try {
-    writePage(text, report.at("pictures").get<std::string>(), out, jobs);
+    writePage(text, report.at("pictures").get<std::string>(), out, jobs, progress);
   } catch (const Json::exception& problem) {
     throw FileError(file, 0, std::string("is not as it was written: ") + problem.what());
   }

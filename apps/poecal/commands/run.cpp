@@ -5,6 +5,7 @@
 #include "poecal/report/report.hpp"
 #include "sources.hpp"
 #include "summaries.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {
@@ -54,7 +55,8 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
       json.emplace_back("identify", identificationJson(*calibration.identification, run.measurements.samples));
       json.emplace_back("diagnose", diagnosisJson(calibration, run.measurements));
     }
-    const std::string no_page = writeReport(run, options->capture.folder, options->out, common.jobs);
+    TerminalListener listener(common);
+    const std::string no_page = writeReport(run, options->capture.folder, options->out, common.jobs, listener.progressFunction());
     const std::string out = options->out.string();
     text += no_page.empty() ? "results in " + out + ", to look at: " + (options->out / "report.html").string() + "\n"
                             : "results in " + out + ", without report.html: " + no_page + "\n";
