@@ -39,14 +39,14 @@ std::string remains(const Diagnosis& diagnosis) {
   return text;
 }
 
-/// The stages' names; on a screen a finding after the first stands for itself and those before it.
+/// The stages' names; on a screen the last finding of a long one stands for all of it.
 std::vector<std::string> stageNames(const Diagnosis& diagnosis, TextLength length) {
+  constexpr std::size_t kLongest = 38;  // with the figures of pixels, 100 columns
   std::vector<std::string> names;
-  for (std::size_t k = 0; k < diagnosis.stages.size(); ++k) {
-    const std::string& name = diagnosis.stages[k].stage;
-    const std::string before = k == 0 ? "" : diagnosis.stages[k - 1].stage + " + ";
-    const bool follows = before.find(" + ") + 3 < before.size() && name.starts_with(before);
-    names.push_back(length == TextLength::kScreen && follows ? "... + " + name.substr(before.size()) : name);
+  for (const GapStage& stage : diagnosis.stages) {
+    const std::size_t last = stage.stage.rfind(" + ");
+    const bool is_long = stage.stage.size() > kLongest && last != std::string::npos;
+    names.push_back(length == TextLength::kScreen && is_long ? "..." + stage.stage.substr(last) : stage.stage);
   }
   return names;
 }

@@ -58,14 +58,14 @@ std::size_t rowsOf(const std::string& text) {
 
 TEST(DiagnosisText, OnAScreenIsShortAndSaysWhereTheRestIs) {
   const std::string text = diagnosisText(crowded(), {}, TextLength::kScreen);
-  // The steps before take 10 rows of 40, and these lists are seldom all there.
-  EXPECT_LE(rowsOf(text), 30u) << text;
+  // The steps before take 10 rows of 40 and more; lists that all overflow are the worst case.
+  EXPECT_LE(rowsOf(text), 32u) << text;
   EXPECT_LT(rowsOf(text), rowsOf(diagnosisText(crowded(), {})));
   EXPECT_THAT(text, AllOf(HasSubstr("images/2.png\n         and 17 more, see diagnosis.json\n"), Not(HasSubstr("images/3.png"))));
   EXPECT_THAT(text, AllOf(HasSubstr("or joint_gain at joint:3"), HasSubstr("and 3 more, see diagnosis.json\n"),
                           Not(HasSubstr("or joint_gain at joint:4"))));
-  EXPECT_THAT(text, HasSubstr("    ... + joint_backlash@joint:2               "));
-  EXPECT_THAT(text, HasSubstr("    identified + joint_eccentricity@joint:6  rms"));
+  EXPECT_THAT(text, HasSubstr("    ... + joint_backlash@joint:2      rms"));
+  EXPECT_THAT(text, HasSubstr("    ... + joint_eccentricity@joint:6  rms"));
   EXPECT_THAT(text, HasSubstr("\n  not tested everywhere: rolling_shutter, time_offset, target_layout and 1 more, see diagnosis.json\n"));
 }
 
