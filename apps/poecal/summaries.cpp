@@ -126,10 +126,10 @@ std::string identificationText(const CalibrationRun& run) {
   return text + suspectText(identification, run.measurements.samples);
 }
 
-std::string diagnosisSummary(const CalibrationRun& run) {
+std::string diagnosisSummary(const CalibrationRun& run, TextLength length) {
   const Calibration& calibration = run.calibration;
   if (!calibration.diagnosis) return fmt::format("no diagnosis: {}\n", calibration.no_diagnosis);
-  std::string text = diagnosisText(*calibration.diagnosis, run.measurements.samples);
+  std::string text = diagnosisText(*calibration.diagnosis, run.measurements.samples, length);
   if (calibration.model_source == ModelSource::kIdentified && !calibration.diagnosis->findings.empty()) {
     text += fmt::format("  model.yaml is the identified one, without effects: {}\n", calibration.model_reason);
   }

@@ -13,6 +13,6 @@ std::string registrationSummaryJson(const CalibrationRun& run);
 std::string identificationText(const CalibrationRun& run);
 
 /// The diagnosis, or why there is none, and which model was kept where it is not the diagnosed one.
-std::string diagnosisSummary(const CalibrationRun& run);
+std::string diagnosisSummary(const CalibrationRun& run, TextLength length);
 
 }  // namespace poecal::app

@@ -161,9 +161,21 @@ void bindRuns(py::module_& module) {
   module.def("openCapture", openCapture, py::arg("source"), "Reads a capture folder with the files of `source` in their places.");
   module.def("writeResults", writeResults, py::arg("calibration"), py::arg("measurements"), py::arg("files"), py::arg("out"), Unlocked(),
              "Writes what the calibration holds of these files into `out`.");
-  module.def("writeReport", writeReport, py::arg("run"), py::arg("capture"), py::arg("out"), py::arg("jobs") = 1, Unlocked(),
-             "Writes report.json and report.html; says why there is no page, or nothing.");
-  module.def("renderReport", renderReport, py::arg("out"), py::arg("jobs") = 1, Unlocked(), "Writes report.html from report.json.");
+  module.def(
+      "writeReport",
+      [](const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs, Listener* listener) {
+        PlainListener plain;
+        return writeReport(run, capture, out, jobs, (listener != nullptr ? *listener : plain).progressFunction());
+      },
+      py::arg("run"), py::arg("capture"), py::arg("out"), py::arg("jobs") = 1, py::arg("listener") = py::none(), Unlocked(),
+      "Writes report.json and report.html; says why there is no page, or nothing.");
+  module.def(
+      "renderReport",
+      [](const std::filesystem::path& out, int jobs, Listener* listener) {
+        PlainListener plain;
+        renderReport(out, jobs, (listener != nullptr ? *listener : plain).progressFunction());
+      },
+      py::arg("out"), py::arg("jobs") = 1, py::arg("listener") = py::none(), Unlocked(), "Writes report.html from report.json.");
   module.def("reportJson", reportJson, py::arg("run"), py::arg("pictures"),
              "Text of report.json; `pictures` is their folder as seen from its own; empty: none.");
   module.def("reportBuilt", reportBuilt, "Whether this build can make pages.");
@@ -176,7 +188,8 @@ void bindIntrinsics(py::module_& module) {
       .member("max_iterations", &IntrinsicsOptions::max_iterations)
       .member("robust", &IntrinsicsOptions::robust)
       .member("bad_view_sigmas", &IntrinsicsOptions::bad_view_sigmas)
-      .member("bad_view_factor", &IntrinsicsOptions::bad_view_factor);
+      .member("bad_view_factor", &IntrinsicsOptions::bad_view_factor)
+      .member("progress", &IntrinsicsOptions::progress);
   Struct<ProjectionUncertainty>(module, "ProjectionUncertainty", "What a camera's covariance means in the picture.")
       .result("median_px", &ProjectionUncertainty::median_px)
       .result("largest_px", &ProjectionUncertainty::largest_px);
@@ -234,7 +247,8 @@ void bindChecks(py::module_& module) {
   Struct<CheckOptions>(module, "CheckOptions", "Options of a check.")
       .made()
       .member("detect", &CheckOptions::detect)
-      .member("jobs", &CheckOptions::jobs);
+      .member("jobs", &CheckOptions::jobs)
+      .member("progress", &CheckOptions::progress);
   Struct<NewCapture>(module, "NewCapture", "What is known before the first picture is taken.")
       .made()
       .member("folder", &NewCapture::folder)
@@ -245,8 +259,10 @@ void bindChecks(py::module_& module) {
       .member("camera", &NewCapture::camera)
       .member("board", &NewCapture::board)
       .member("setup", &NewCapture::setup);
-  module.def("checkCapture", checkCapture, py::arg("folder"), py::arg_v("options", CheckOptions(), "CheckOptions()"), Unlocked(),
-             "Judges a capture before anything is fitted.");
+  module.def(
+      "checkCapture",
+      [](const std::filesystem::path& folder, const CheckOptions& options) { return checkCapture(folder, stoppable(options)); },
+      py::arg("folder"), py::arg_v("options", CheckOptions(), "CheckOptions()"), Unlocked(), "Judges a capture before anything is fitted.");
   module.def("createCapture", createCapture, py::arg("capture"), Unlocked(), "Makes a capture folder to fill in.");
 }
 

@@ -79,8 +79,13 @@ void bindBoards(py::module_& module) {
       .result("notes", &BoardPictures::notes)
       .result("width", &BoardPictures::width)
       .result("height", &BoardPictures::height);
-  module.def("calibrateIntrinsics", calibrateIntrinsics, py::arg("views"), py::arg("width"), py::arg("height"),
-             py::arg_v("options", IntrinsicsOptions(), "IntrinsicsOptions()"), Unlocked(), "Fits a camera and one board pose per picture.");
+  module.def(
+      "calibrateIntrinsics",
+      [](const std::vector<BoardView>& views, int width, int height, const IntrinsicsOptions& options) {
+        return calibrateIntrinsics(views, width, height, stoppable(options));
+      },
+      py::arg("views"), py::arg("width"), py::arg("height"), py::arg_v("options", IntrinsicsOptions(), "IntrinsicsOptions()"), Unlocked(),
+      "Fits a camera and one board pose per picture.");
 }
 
 }  // namespace

@@ -78,8 +78,14 @@ void bindEffects(py::module_& module) {
   module.def("realArm", realArm, py::arg("model"), "The arm of a model as it really moves.");
   module.def("reachedPoses", reachedPoses, py::arg("arm"), py::arg("commands"), Unlocked(),
              "T_base_flange that each command really reaches, effects included: N x 4 x 4.");
-  module.def("compensate", compensate, py::arg("arm"), py::arg("wanted"), py::arg("start_arm") = py::none(), Unlocked(),
-             "The joints to command so that the arm reaches T_base_flange of each row.");
+  module.def(
+      "compensate",
+      [](const RealArm& arm, const SampleTable& wanted, const Arm* start_arm, Listener* listener) {
+        PlainListener plain;
+        return compensate(arm, wanted, start_arm, (listener != nullptr ? *listener : plain).progressFunction());
+      },
+      py::arg("arm"), py::arg("wanted"), py::arg("start_arm") = py::none(), py::arg("listener") = py::none(), Unlocked(),
+      "The joints to command so that the arm reaches T_base_flange of each row.");
   module.def("commandsCsv", commandsCsv, py::arg("wanted"), py::arg("commands"), "Text of the table of commands.");
 }
 

@@ -92,7 +92,8 @@ void bindOptions(py::module_& module) {
       .member("detect", &PlanOptions::detect)
       .member("detect_size", &PlanOptions::detect_size)
       .member("odds", &PlanOptions::odds)
-      .member("jobs", &PlanOptions::jobs);
+      .member("jobs", &PlanOptions::jobs)
+      .member("progress", &PlanOptions::progress);
 }
 
 void bindPlan(py::module_& module) {
@@ -133,8 +134,10 @@ void bindPlanning(py::module_& module) {
   bindSources(module);
   bindOptions(module);
   bindPlan(module);
-  module.def("planPoses", planPoses, py::arg("cell"), py::arg_v("options", PlanOptions(), "PlanOptions()"), Unlocked(),
-             "Chooses poses within the limits that show the target and touch nothing obvious.");
+  module.def(
+      "planPoses", [](const PlanningCell& cell, const PlanOptions& options) { return planPoses(cell, stoppable(options)); },
+      py::arg("cell"), py::arg_v("options", PlanOptions(), "PlanOptions()"), Unlocked(),
+      "Chooses poses within the limits that show the target and touch nothing obvious.");
   module.def("toolUncertainty", toolUncertainty, py::arg("cell"), py::arg("more"), Unlocked(),
              "The uncertainty of the tool once corners are seen at these samples as well.");
   module.def("planCsv", planCsv, py::arg("plan"), py::arg("taken") = 0, "Text of next.csv; pictures are numbered on from `taken`.");

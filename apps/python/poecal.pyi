@@ -704,6 +704,10 @@ class Diagnosis:
     def noiseKnown(self) -> bool: ...
     noise_known = noiseKnown
 
+class TextLength(_Enum):
+    kWhole: ClassVar[TextLength]
+    kScreen: ClassVar[TextLength]
+
 class ModelSource(_Enum):
     kIdentified: ClassVar[ModelSource]
     kDiagnosed: ClassVar[ModelSource]
@@ -890,9 +894,10 @@ class IntrinsicsOptions:
     robust: bool
     bad_view_sigmas: float
     bad_view_factor: float
+    progress: _Progress | None
     def __init__(
         self, *, model: DistortionModel = ..., max_iterations: int = ..., robust: bool = ..., bad_view_sigmas: float = ...,
-        bad_view_factor: float = ...
+        bad_view_factor: float = ..., progress: _Progress | None = ...
     ) -> None: ...
     def __copy__(self) -> IntrinsicsOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> IntrinsicsOptions: ...
@@ -957,7 +962,8 @@ class CheckOptions:
     """Options of a check."""
     detect: int
     jobs: int
-    def __init__(self, *, detect: int = ..., jobs: int = ...) -> None: ...
+    progress: _Progress | None
+    def __init__(self, *, detect: int = ..., jobs: int = ..., progress: _Progress | None = ...) -> None: ...
     def __copy__(self) -> CheckOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> CheckOptions: ...
 
@@ -1234,10 +1240,11 @@ class PlanOptions:
     detect_size: float
     odds: float
     jobs: int
+    progress: _Progress | None
     def __init__(
         self, *, aim: PlanAim = ..., criterion: PlanCriterion = ..., count: int = ..., candidates: int = ..., seed: int = ...,
         link_radius: float = ..., camera_radius: float = ..., floor: float | None = ..., detect: str = ..., detect_size: float = ...,
-        odds: float = ..., jobs: int = ...
+        odds: float = ..., jobs: int = ..., progress: _Progress | None = ...
     ) -> None: ...
     def __copy__(self) -> PlanOptions: ...
     def __deepcopy__(self, memo: dict[int, object]) -> PlanOptions: ...
@@ -1519,14 +1526,14 @@ def reachedPoses(arm: RealArm, commands: SampleTable) -> _Array:
     """T_base_flange that each command really reaches, effects included: N x 4 x 4."""
 reached_poses = reachedPoses
 
-def compensate(arm: RealArm, wanted: SampleTable, start_arm: Arm | None = ...) -> list[JointCommand]:
+def compensate(arm: RealArm, wanted: SampleTable, start_arm: Arm | None = ..., listener: Listener | None = ...) -> list[JointCommand]:
     """The joints to command so that the arm reaches T_base_flange of each row."""
 
 def commandsCsv(wanted: SampleTable, commands: Sequence[JointCommand]) -> str:
     """Text of the table of commands."""
 commands_csv = commandsCsv
 
-def diagnosisText(diagnosis: Diagnosis, samples: Sequence[Sample]) -> str:
+def diagnosisText(diagnosis: Diagnosis, samples: Sequence[Sample], length: TextLength = ...) -> str:
     """The diagnosis in sentences."""
 diagnosis_text = diagnosisText
 
@@ -1617,11 +1624,11 @@ def writeResults(calibration: Calibration, measurements: Measurements, files: Re
     """Writes what the calibration holds of these files into `out`."""
 write_results = writeResults
 
-def writeReport(run: CalibrationRun, capture: _Path, out: _Path, jobs: int = ...) -> str:
+def writeReport(run: CalibrationRun, capture: _Path, out: _Path, jobs: int = ..., listener: Listener | None = ...) -> str:
     """Writes report.json and report.html; says why there is no page, or nothing."""
 write_report = writeReport
 
-def renderReport(out: _Path, jobs: int = ...) -> None:
+def renderReport(out: _Path, jobs: int = ..., listener: Listener | None = ...) -> None:
     """Writes report.html from report.json."""
 render_report = renderReport
 
@@ -1716,7 +1723,7 @@ def imageOptions(scene: Scene, index: int) -> ImageOptions:
     """How a scene's picture of this number is drawn."""
 image_options = imageOptions
 
-def drawSamples(scene: Scene) -> SampleTable:
+def drawSamples(scene: Scene, options: SimulateOptions = ...) -> SampleTable:
     """Joint readings of a scene [rad] or [m]: from its file, or drawn within the limits with the target in view."""
 draw_samples = drawSamples
 

@@ -219,7 +219,9 @@ void bindDiagnosis(py::module_& module) {
       .result("model", &Diagnosis::model)
       .def("isClean", &Diagnosis::isClean)
       .def("noiseKnown", &Diagnosis::noiseKnown);
-  module.def("diagnosisText", diagnosisText, py::arg("diagnosis"), py::arg("samples"), "The diagnosis in sentences.");
+  py::enum_<TextLength>(module, "TextLength").value("kWhole", TextLength::kWhole).value("kScreen", TextLength::kScreen);
+  module.def("diagnosisText", diagnosisText, py::arg("diagnosis"), py::arg("samples"),
+             py::arg_v("length", TextLength::kWhole, "TextLength.kWhole"), "The diagnosis in sentences.");
   module.def("explainEffect", explainEffect, py::arg("diagnosis"), py::arg("effect"), "Why an effect was or was not chosen.");
 }
 

@@ -79,8 +79,10 @@ void bindSimulation(py::module_& module) {
       .result("pictures", &SimulateSummary::pictures)
       .result("boards", &SimulateSummary::boards)
       .result("truth", &SimulateSummary::truth);
-  module.def("drawSamples", drawSamples, py::arg("scene"), Unlocked(),
-             "Joint readings of a scene [rad] or [m]: from its file, or drawn within the limits with the target in view.");
+  module.def(
+      "drawSamples", [](const Scene& scene, const SimulateOptions& how) { return drawSamples(scene, stoppable(how)); }, py::arg("scene"),
+      py::arg_v("options", SimulateOptions(), "SimulateOptions()"), Unlocked(),
+      "Joint readings of a scene [rad] or [m]: from its file, or drawn within the limits with the target in view.");
   module.def("trueCorners", trueCorners, py::arg("scene"), py::arg("samples"), Unlocked(),
              "Exact corners at each sample [px], with the scene's effects.");
   module.def(

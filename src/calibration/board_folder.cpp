@@ -46,14 +46,16 @@ IntrinsicsResult calibrateBoardFolder(const std::filesystem::path& folder, const
   DetectOptions detect_options;
   detect_options.jobs = jobs;
   detect_options.progress = listener.progressFunction();
+  IntrinsicsOptions fit_options = options;
+  if (!fit_options.progress) fit_options.progress = listener.progressFunction();
   KnownCorners known(camera_file.parent_path() / ".stages" / "board-corners");
   BoardPictures pictures = readBoardPictures(folder, detect_options, &known);
-  IntrinsicsResult result = calibrateOrSayWhyNot(pictures, options, listener);
+  IntrinsicsResult result = calibrateOrSayWhyNot(pictures, fit_options, listener);
   // Edges of tags are fitted as a whole, bent as the lens bends them: their corners depend on the lens that they are found with.
   if (pictures.target.hasTags()) {
     detect_options.camera = result.chosen().camera;
     pictures = readBoardPictures(folder, detect_options, &known);
-    result = calibrateOrSayWhyNot(pictures, options, listener);
+    result = calibrateOrSayWhyNot(pictures, fit_options, listener);
   }
   known.finish();
   listener.warnings(texts(pictures.notes));

@@ -131,6 +131,7 @@ bool CheckList::attempt(const std::string& topic, const std::function<void()>& w
     work();
     return true;
   } catch (const Error& error) {
+    if (stopped_) std::rethrow_exception(stopped_);
     const std::string text = error.what();
     const bool said = std::any_of(check_.items.begin(), check_.items.end(), [&](const CheckItem& item) { return item.text == text; });
     if (!said) add(error.exitStatus() == 4 ? CheckLevel::kTooLittle : CheckLevel::kError, topic, text);
@@ -138,11 +139,23 @@ bool CheckList::attempt(const std::string& topic, const std::function<void()>& w
   }
 }
 
+ProgressFunction CheckList::progress() {
+  if (!progress_) return {};
+  return [this](const std::string& label, std::size_t done, std::size_t total) {
+    try {
+      progress_(label, done, total);
+    } catch (...) {
+      if (total > 0) stopped_ = std::current_exception();
+      throw;
+    }
+  };
+}
+
 std::string counted(std::size_t count, const std::string& thing) { return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s"); }
 
 CaptureCheck checkCapture(const std::filesystem::path& folder, const CheckOptions& options) {
   options.validate();
-  CheckList list;
+  CheckList list(options.progress);
   std::optional<YamlNode> root;
   if (!list.attempt("capture", [&] { root = YamlNode::load(folder / "capture.yaml"); })) return list.check();
   checkParts(*root, list);

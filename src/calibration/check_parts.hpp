@@ -1,25 +1,34 @@
 // The parts of a check, each of which adds what it has to say.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
 
 #include "poecal/calibration/check_capture.hpp"
 #include "poecal/capture/capture.hpp"
+#include "poecal/core/progress.hpp"
 
 namespace poecal {
 
 /// What has been said so far.
 class CheckList {
  public:
+  explicit CheckList(ProgressFunction progress) : progress_(std::move(progress)) {}
+  CheckList(const CheckList&) = delete;
+  CheckList& operator=(const CheckList&) = delete;
   void add(CheckLevel level, const std::string& topic, const std::string& text) { check_.items.push_back({level, topic, text}); }
-  /// Does `work`; what it throws on purpose is said instead, once. @returns whether it came to its end.
+  /// Does `work`; what it throws on purpose is said instead, once; but for what progress() threw. @returns whether it came to its end.
   bool attempt(const std::string& topic, const std::function<void()>& work);
   const CaptureCheck& check() const { return check_; }
+  /// Told how far the parts are. The list must outlive it.
+  ProgressFunction progress();
 
  private:
   CaptureCheck check_;
+  ProgressFunction progress_;
+  std::exception_ptr stopped_;  ///< by progress_
 };
 
 /// "3 poses", "1 pose".

@@ -49,11 +49,13 @@ void sayPictures(const Capture& capture, CheckList& list) {
   std::vector<std::string> missing, unreadable, other_size;
   ImageSize expected = capture.camera ? ImageSize{capture.camera->width, capture.camera->height} : ImageSize{};
   std::size_t good = 0;
+  Progress told(list.progress(), "looking at pictures", capture.table.samples.size());
   for (const Sample& sample : capture.table.samples) {
     const fs::path picture = capture.folder / sample.image;
     std::error_code status;
     if (!fs::exists(picture, status)) {
       missing.push_back(sample.image);
+      told.advance();
       continue;
     }
     try {
@@ -67,6 +69,7 @@ void sayPictures(const Capture& capture, CheckList& list) {
     } catch (const FileError&) {
       unreadable.push_back(sample.image);
     }
+    told.advance();
   }
   const auto say = [&list](const std::vector<std::string>& wrong, const std::string& what) {
     if (!wrong.empty())
@@ -113,7 +116,8 @@ void tryRegistration(const Capture& capture, const Detections& detections, Check
   list.attempt("registration", [&] {
     if (!capture.registration_file.empty()) readKnownRegistration(capture.registration_file, cell.registration);
     try {
-      const RegistrationResult result = registerCell(cell, cornerObservations(capture.table, detections, capture.target), {});
+      const RegistrationResult result =
+          registerCell(cell, cornerObservations(capture.table, detections, capture.target), {.progress = list.progress()});
       list.add(CheckLevel::kOk, "registration",
                fmt::format("as the robot is stated, the readings explain the corners to {:.3g} px", result.rms_px));
       for (const std::string& warning : result.warnings) list.add(CheckLevel::kAdvice, "registration", warning);
@@ -156,7 +160,7 @@ void checkPictures(const Capture& capture, CheckList& list) {
   if (capture.detections_file.empty()) {
     sayPictures(capture, list);
     list.attempt("pictures", [&] {
-      for (const std::string& remark : compareBytesOfPictures(capture)) list.add(CheckLevel::kAdvice, "pictures", remark);
+      for (const std::string& remark : compareBytesOfPictures(capture, list.progress())) list.add(CheckLevel::kAdvice, "pictures", remark);
     });
   } else {
     sayDetections(capture, list);
@@ -187,6 +191,7 @@ void checkDetector(const Capture& capture, const CheckOptions& options, CheckLis
   DetectOptions detecting;
   detecting.jobs = options.jobs;
   detecting.camera = tried.camera;
+  detecting.progress = list.progress();
   const DetectResult result = detectCapture(tried, detecting);
   std::size_t seen = 0;
   for (const ImageCorners& image : result.detections.images) {

@@ -44,7 +44,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
     listener.warnings(compareCornersOfPictures(capture.table, detections));
     return detections;
   }
-  listener.warnings(compareBytesOfPictures(capture));
+  listener.warnings(compareBytesOfPictures(capture, listener.progressFunction()));
   DetectOptions options;
   options.jobs = jobs;
   options.progress = listener.progressFunction();

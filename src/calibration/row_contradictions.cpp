@@ -94,13 +94,16 @@ bool showsNothing(const fs::path& file) {
 }
 
 /// Rows of equal pictures, by what they hold: pictures of other sizes are never read.
-std::vector<std::pair<std::size_t, std::size_t>> equalPictures(const Capture& capture) {
+std::vector<std::pair<std::size_t, std::size_t>> equalPictures(const Capture& capture, const ProgressFunction& progress) {
   std::map<std::uintmax_t, std::vector<std::size_t>> by_size;
   for (std::size_t k = 0; k < capture.table.samples.size(); ++k) {
     std::error_code status;
     const std::uintmax_t size = fs::file_size(capture.folder / capture.table.samples[k].image, status);
     if (!status && size > 0) by_size[size].push_back(k);
   }
+  std::size_t compared = 0;
+  for (const auto& [size, rows] : by_size) compared += rows.size() < 2 ? 0 : rows.size();
+  Progress told(progress, "comparing pictures", compared);
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (const auto& [size, rows] : by_size) {
     if (rows.size() < 2) continue;
@@ -109,6 +112,7 @@ std::vector<std::pair<std::size_t, std::size_t>> equalPictures(const Capture& ca
       const std::string sum = checksum(readTextFile(capture.folder / capture.table.samples[row].image));
       const auto [first, fresh] = first_of.emplace(sum, row);
       if (!fresh && !showsNothing(capture.folder / capture.table.samples[row].image)) pairs.emplace_back(first->second, row);
+      told.advance();
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -151,9 +155,9 @@ std::vector<std::string> compareFlangePoses(const Arm& arm, const SampleTable& t
   return remarks;
 }
 
-std::vector<std::string> compareBytesOfPictures(const Capture& capture) {
+std::vector<std::string> compareBytesOfPictures(const Capture& capture, const ProgressFunction& progress) {
   std::vector<std::string> remarks;
-  for (const auto& rows : equalPictures(capture)) {
+  for (const auto& rows : equalPictures(capture, progress)) {
     const std::string same = sameText(capture.table, rows, "is the same picture as");
     if (!readsTheSame(capture.table, rows)) throw FileError(capture.table.file, capture.table.samples[rows.second].line, same + kOneEach);
     remarks.push_back(remarkOn(capture.table, rows.second, same + ": one shot counts twice"));

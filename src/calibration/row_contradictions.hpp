@@ -7,6 +7,7 @@
 
 #include "poecal/capture/capture.hpp"
 #include "poecal/capture/detections.hpp"
+#include "poecal/core/progress.hpp"
 
 namespace poecal {
 
@@ -15,8 +16,9 @@ namespace poecal {
 std::vector<std::string> compareFlangePoses(const Arm& arm, const SampleTable& table);
 
 /// Looks for rows whose pictures are one file under two names; pictures without anything in them are passed over.
+/// @param progress  told of each picture that is read.
 /// @return remarks on rows whose readings are equal too. @throws FileError with both names and lines where they are not.
-std::vector<std::string> compareBytesOfPictures(const Capture& capture);
+std::vector<std::string> compareBytesOfPictures(const Capture& capture, const ProgressFunction& progress = {});
 
 /// The same of corners that were found earlier: no two pictures of a camera show every corner at the same fractions of a pixel.
 /// @return remarks on such rows. @throws FileError with both names and lines where the readings of more than a tenth of the rows are not

@@ -42,9 +42,13 @@ double trimmedRms(const Eigen::VectorXd& distances) {
 }
 
 /// Residuals of every given picture under a camera, its pose fitted again. @param sigma_px  as fitView().
-std::vector<ViewResidual> residualsOf(const std::vector<BoardView>& given, const Camera& camera, double sigma_px) {
+std::vector<ViewResidual> residualsOf(const std::vector<BoardView>& given, const Camera& camera, double sigma_px,
+                                      const ProgressFunction& progress) {
   std::vector<ViewResidual> residuals;
+  Progress told(progress, "judging each picture of the board", given.size());
+  told.show();
   for (const BoardView& view : given) {
+    if (!residuals.empty()) told.advance();
     ViewResidual& entry = residuals.emplace_back();
     entry.image = view.image;
     entry.points = static_cast<int>(view.points.cols());
@@ -60,6 +64,7 @@ std::vector<ViewResidual> residualsOf(const std::vector<BoardView>& given, const
     entry.typical_px = std::sqrt(2.0) * sigmaOfMedian(median({distances.begin(), distances.end()}));
     entry.max_px = distances.maxCoeff();
   }
+  told.finish();
   return residuals;
 }
 
@@ -149,12 +154,12 @@ bool sameLeftOut(const std::vector<ViewResidual>& a, const std::vector<ViewResid
 Solution setBadAside(const std::vector<BoardView>& given, const Solution& all, const IntrinsicsOptions& options,
                      std::vector<ViewResidual>& views) {
   constexpr int kMaxRounds = 5;
-  views = residualsOf(given, all.fit.estimate.camera, all.sigma());
+  views = residualsOf(given, all.fit.estimate.camera, all.sigma(), options.progress);
   markBad(views, options);
   for (int round = 0;; ++round) {
     Solution robust = withoutBad(given, views, all, options);
     if (round + 1 == kMaxRounds) return robust;
-    std::vector<ViewResidual> again = residualsOf(given, robust.fit.estimate.camera, robust.sigma());
+    std::vector<ViewResidual> again = residualsOf(given, robust.fit.estimate.camera, robust.sigma(), options.progress);
     markBad(again, options);
     const bool agrees = sameLeftOut(again, views);
     views = std::move(again);
@@ -224,7 +229,7 @@ IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int wi
   requireDetermined(used.fit.estimate.camera, used.fit.information, used.sigma());
 
   const IntrinsicsFit& chosen = result.chosen();
-  std::vector<ViewResidual> residuals = residualsOf(views, chosen.camera, options.robust ? chosen.sigma_px : 0.0);
+  std::vector<ViewResidual> residuals = residualsOf(views, chosen.camera, options.robust ? chosen.sigma_px : 0.0, options.progress);
   for (std::size_t v = 0; v < views.size(); ++v) {
     residuals[v].bad = result.views[v].bad;
     residuals[v].left_out = result.views[v].left_out;

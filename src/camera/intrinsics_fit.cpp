@@ -88,7 +88,7 @@ bool areEntangled(const Solution& solution) {
 }
 
 /// The fit with as many of the free coefficients, in the model's order, as the pictures tell; nothing where the camera alone does not fit.
-std::optional<Solution> withToldCoefficients(const Solution& full, int max_iterations) {
+std::optional<Solution> withToldCoefficients(const Solution& full, int max_iterations, Progress& progress) {
   Solution best = full;
   best.free = {0, 1, 2, 3};
   BoardBundle start = full.start;
@@ -98,6 +98,7 @@ std::optional<Solution> withToldCoefficients(const Solution& full, int max_itera
   best.fit = *bare;
   for (const int parameter : full.free) {
     if (parameter < 4) continue;
+    progress.show();
     Solution more = best;
     more.free.push_back(parameter);
     const auto fit = fitBoardBundle(more.views, best.fit.estimate, more.free, max_iterations, more.weights);
@@ -113,11 +114,12 @@ std::optional<Solution> withToldCoefficients(const Solution& full, int max_itera
 }
 
 /// Holds coefficients at 0 that the pictures do not tell, unless something of the picture would go with them.
-void holdWhatIsOpen(Solution& solution, int max_iterations) {
+/// @param progress  shown while it works.
+void holdWhatIsOpen(Solution& solution, int max_iterations, Progress& progress) {
   constexpr double kLeastSigma_px = 0.01;  // below what detectors reach; exact corners tell zero from 1e-9
   const Told told = howFarTold(solution);
   if (told == Told::kAll) return;
-  std::optional<Solution> without = withToldCoefficients(solution, max_iterations);
+  std::optional<Solution> without = withToldCoefficients(solution, max_iterations, progress);
   if (!without) return;
   // By Schwarz' criterion, each coefficient must be worth the logarithm of the number of data. What any value fits is worth nothing,
   // though values of hundreds may fit noise.
@@ -238,9 +240,13 @@ double sigmaOfMedian(double median_distance) { return median_distance / std::sqr
 Solution fitFromScratch(const Views& given, int width, int height, const IntrinsicsOptions& options) {
   const int parameter_count = 4 + distortionCount(options.model);
   requireEnough(given, parameter_count);
+  // The start, poses, focal lengths, centre, all coefficients, those that are told.
+  Progress progress(options.progress, "fitting the lens", 6);
+  progress.show();
   Solution solution;
   BoardBundle bundle;
   bundle.camera = startCamera(given, width, height, options.model);
+  progress.advance();
   for (const BoardView* view : given) {
     if (const auto pose = boardPose(bundle.camera, *view)) {
       solution.views.push_back(view);
@@ -248,19 +254,26 @@ Solution fitFromScratch(const Views& given, int width, int height, const Intrins
     }
   }
   requireEnough(solution.views, parameter_count);
+  progress.advance();
   bundle = refit(solution.views, bundle, {0, 1, 4}, options.max_iterations).estimate;
+  progress.advance();
   askForPosesAgain(solution.views, bundle);
   solution.start = refit(solution.views, bundle, {0, 1, 2, 3, 4, 5}, options.max_iterations).estimate;
+  progress.advance();
   solution.free.resize(static_cast<std::size_t>(parameter_count));
   std::iota(solution.free.begin(), solution.free.end(), 0);
   solution.fit = refit(solution.views, solution.start, solution.free, options.max_iterations);
-  holdWhatIsOpen(solution, options.max_iterations);
+  progress.advance();
+  holdWhatIsOpen(solution, options.max_iterations, progress);
+  progress.advance();
   return solution;
 }
 
 Solution fitRobustly(const Solution& from, const Views& views, const IntrinsicsOptions& options) {
   constexpr int kMostRounds = 30;
   constexpr double kSettled = 1e-3;
+  Progress progress(options.progress, "fitting the lens without outliers", kMostRounds);
+  progress.show();
   Solution solution;
   solution.views = views;
   solution.free = from.free;
@@ -279,8 +292,10 @@ Solution fitRobustly(const Solution& from, const Views& views, const IntrinsicsO
     solution.weights = std::move(next.weights);
     solution.trust = std::move(next.trust);
     solution.fit = refit(solution.views, solution.fit.estimate, solution.free, options.max_iterations, solution.weights);
+    if (round + 1 < kMostRounds) progress.advance();
   }
-  holdWhatIsOpen(solution, options.max_iterations);
+  holdWhatIsOpen(solution, options.max_iterations, progress);
+  progress.finish();
   return solution;
 }
 

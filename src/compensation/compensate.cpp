@@ -1,5 +1,6 @@
 #include "poecal/compensation/compensate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -73,11 +74,16 @@ std::optional<Eigen::VectorXd> jointsNear(const CommandedArm& geometry, const Sa
 }
 
 /// Where each search begins.
-void findStarts(const Arm& arm, SampleTable& table) {
+void findStarts(const Arm& arm, const ProgressFunction& progress, SampleTable& table) {
+  const auto without = std::count_if(table.samples.begin(), table.samples.end(), [](const Sample& sample) { return sample.q.size() == 0; });
+  Progress told(progress, "joints to begin from", static_cast<std::size_t>(without));
   const CommandedArm geometry({.arm = arm, .effects = {}}, table);
   Eigen::VectorXd near = middleOf(arm);
   for (Sample& sample : table.samples) {
-    if (sample.q.size() == 0) sample.q = jointsNear(geometry, sample, near).value_or(near);
+    if (sample.q.size() == 0) {
+      sample.q = jointsNear(geometry, sample, near).value_or(near);
+      told.advance();
+    }
     near = sample.q;
   }
 }
@@ -128,20 +134,23 @@ std::vector<Eigen::Isometry3d> reachedPoses(const RealArm& arm, const SampleTabl
   return poses;
 }
 
-std::vector<JointCommand> compensate(const RealArm& arm, const SampleTable& wanted, const Arm* start_arm) {
+std::vector<JointCommand> compensate(const RealArm& arm, const SampleTable& wanted, const Arm* start_arm,
+                                     const ProgressFunction& progress) {
   SampleTable table = wanted;
   for (const Sample& sample : table.samples) {
     if (!sample.T_base_flange) throw InvalidArgument("a sample has no pose to reach, expected T_base_flange");
   }
-  findStarts(start_arm == nullptr ? arm.arm : *start_arm, table);
+  findStarts(start_arm == nullptr ? arm.arm : *start_arm, progress, table);
   standInForSides(table);
   const CommandedArm reach(arm, table);
   std::vector<JointCommand> commands;
+  Progress told(progress, "joints for each pose", table.samples.size());
   for (std::size_t k = 0; k < table.samples.size(); ++k) {
     const Sample& sample = table.samples[k];
     JointCommand command = reach.solve(sample, k, sample.q, true);
     if (!isReached(command)) command.why_not = whyNotReached(reach, sample, k, command);
     commands.push_back(std::move(command));
+    told.advance();
   }
   return commands;
 }

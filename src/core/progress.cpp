@@ -20,7 +20,12 @@ Progress::Progress(ProgressFunction function, std::string label, std::size_t tot
     : function_(std::move(function)), label_(std::move(label)), total_(total) {}
 
 Progress::~Progress() {
-  if (function_ && done_ < total_) function_(label_, 0, 0);
+  if (!function_ || done_ >= total_) return;
+  try {
+    function_(label_, 0, 0);
+  } catch (...) {
+    // A destructor that threw would end the program.
+  }
 }
 
 void Progress::show() {
@@ -31,6 +36,13 @@ void Progress::show() {
 void Progress::advance() {
   const std::lock_guard lock(mutex_);
   ++done_;
+  if (function_) function_(label_, done_, total_);
+}
+
+void Progress::finish() {
+  const std::lock_guard lock(mutex_);
+  if (done_ >= total_) return;
+  done_ = total_;
   if (function_) function_(label_, done_, total_);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "diagnosis/wording.hpp"
 #include "poecal/core/error.hpp"
@@ -38,17 +39,42 @@ std::string remains(const Diagnosis& diagnosis) {
   return text;
 }
 
-std::string ladder(const Diagnosis& diagnosis) {
-  std::string text = fmt::format("  on held-out poses, {}:\n", noise(diagnosis));
-  std::size_t width = 0;
-  for (const GapStage& stage : diagnosis.stages) width = std::max(width, stage.stage.size());
+/// The stages' names; on a screen the last finding of a long one stands for all of it.
+std::vector<std::string> stageNames(const Diagnosis& diagnosis, TextLength length) {
+  constexpr std::size_t kLongest = 38;  // with the figures of pixels, 100 columns
+  std::vector<std::string> names;
   for (const GapStage& stage : diagnosis.stages) {
+    const std::size_t last = stage.stage.rfind(" + ");
+    const bool is_long = stage.stage.size() > kLongest && last != std::string::npos;
+    names.push_back(length == TextLength::kScreen && is_long ? "..." + stage.stage.substr(last) : stage.stage);
+  }
+  return names;
+}
+
+std::string ladder(const Diagnosis& diagnosis, TextLength length) {
+  std::string text = fmt::format("  on held-out poses, {}:\n", noise(diagnosis));
+  const std::vector<std::string> names = stageNames(diagnosis, length);
+  std::size_t width = 0;
+  for (const std::string& name : names) width = std::max(width, name.size());
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const GapStage& stage = diagnosis.stages[k];
     const double rms = diagnosis.pixels ? stage.errors.px.rms : stage.errors.position.rms;
-    text += fmt::format("    {:<{}}  rms {}, above noise {}, {:.3f} mm, {:.3f} mrad\n", stage.stage, width, gapText(diagnosis, rms),
+    text += fmt::format("    {:<{}}  rms {}, above noise {}, {:.3f} mm, {:.3f} mrad\n", names[k], width, gapText(diagnosis, rms),
                         gapText(diagnosis, stage.excess), 1e3 * stage.errors.position.mean, 1e3 * stage.errors.rotation.mean);
   }
   return text;
 }
+
+/// As many lines as the length allows, and how many more there are.
+std::string listText(const std::vector<std::string>& lines, const std::string& indent, std::size_t most) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min(most, lines.size()); ++k) text += indent + lines[k] + "\n";
+  if (lines.size() > most) text += fmt::format("{}and {} more, see diagnosis.json\n", indent, lines.size() - most);
+  return text;
+}
+
+/// Of things of which a screen shows the first.
+constexpr std::size_t kShownOnScreen = 3;
 
 std::string sizes(const Finding& finding) {
   std::string text;
@@ -80,8 +106,10 @@ std::string drivenBy(const Diagnosis& diagnosis, const std::string& driver) {
   return driver;
 }
 
-std::string findingText(const Diagnosis& diagnosis, const Finding& finding) {
-  constexpr std::size_t kMostSizes = 8;
+std::string findingText(const Diagnosis& diagnosis, const Finding& finding, TextLength length) {
+  constexpr std::size_t kMostSizes = 8, kMostImages = 10;
+  const bool whole = length == TextLength::kWhole;
+  const std::string indent(9, ' ');
   std::string text = fmt::format("  where: {}, driven by {}\n", finding.location, drivenBy(diagnosis, finding.driver));
   text += fmt::format("  which: {}: {} ({})\n", finding.effect, meaning(finding.effect), surenessText(finding.probability));
   if (!finding.parameters.empty() && finding.parameters.size() <= kMostSizes) text += fmt::format("         {}\n", sizes(finding));
@@ -89,14 +117,12 @@ std::string findingText(const Diagnosis& diagnosis, const Finding& finding) {
     text += fmt::format("         largest deflection over these poses {:.3f} +- {:.3f} mrad\n", 1e3 * *finding.largest_deflection,
                         1e3 * finding.largest_deflection_deviation.value_or(0.0));
   }
-  if (!finding.images.empty()) {
-    constexpr std::size_t kShown = 10;
-    for (std::size_t k = 0; k < finding.images.size() && k < kShown; ++k) text += fmt::format("         {}\n", finding.images[k]);
-    if (finding.images.size() > kShown) text += fmt::format("         and {} more, see diagnosis.json\n", finding.images.size() - kShown);
-  }
+  text += listText(finding.images, indent, whole ? kMostImages : kShownOnScreen);
+  std::vector<std::string> others;
   for (const AlternativeCause& other : finding.alternatives) {
-    text += fmt::format("         or {} at {} ({})\n", other.effect, other.location, percentText(other.probability));
+    others.push_back(fmt::format("or {} at {} ({})", other.effect, other.location, percentText(other.probability)));
   }
+  text += listText(others, indent, whole ? others.size() : kShownOnScreen);
   const bool random = finding.effect == "joint_scatter";  // no model foretells it; poses that it spoils less can count for more
   if (finding.effect != "bad_samples" && !(random && !finding.shrinkage.claimed())) {
     text += howFar(finding.shrinkage);
@@ -126,6 +152,32 @@ std::vector<std::string> untestedLines(const Diagnosis& diagnosis) {
   return lines;
 }
 
+std::string untestedText(const Diagnosis& diagnosis) {
+  const std::vector<std::string> untested = untestedLines(diagnosis);
+  constexpr std::size_t kShown = 6;
+  std::string text;
+  for (std::size_t k = 0; k < untested.size() && k < kShown; ++k) text += fmt::format("  not tested: {}\n", untested[k]);
+  if (untested.size() > kShown) {
+    text += fmt::format("  and {} more that this capture cannot test, see diagnosis.json\n", untested.size() - kShown);
+  }
+  return text;
+}
+
+/// The same in one line, without places and reasons.
+std::string untestedNames(const Diagnosis& diagnosis) {
+  std::vector<std::string> names;
+  for (const NotTestable& each : diagnosis.not_testable) {
+    if (each.effect == "joint_offset" || std::find(names.begin(), names.end(), each.effect) != names.end()) continue;
+    names.push_back(each.effect);
+  }
+  if (names.empty()) return "";
+  const std::size_t shown = std::min(names.size(), kShownOnScreen);
+  std::string text =
+      fmt::format("  not tested everywhere: {}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
+  if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
+  return text + ", see diagnosis.json\n";
+}
+
 }  // namespace
 
 std::string surenessText(double probability) {
@@ -135,7 +187,7 @@ std::string surenessText(double probability) {
   return probability >= kNearly ? fmt::format("{:.1f} % sure", std::floor(1e3 * probability) / 10.0) : percentText(probability) + " sure";
 }
 
-std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&) {
+std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&, TextLength length) {
   std::string text;
   if (diagnosis.isClean()) {
     text = "diagnosis: nothing beyond noise and geometry\n";
@@ -143,14 +195,16 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
     text = "diagnosis: a gap, but no cause that helps on held-out poses\n";
   } else {
     text = fmt::format("diagnosis: {} {}\n", diagnosis.findings.size(), diagnosis.findings.size() == 1 ? "finding" : "findings");
-    for (const Finding& finding : diagnosis.findings) text += findingText(diagnosis, finding);
+    for (const Finding& finding : diagnosis.findings) text += findingText(diagnosis, finding, length);
   }
-  for (const Finding& possible : diagnosis.possibilities) {
-    text += fmt::format("  possible: {} at {}, but it does not serve poses that the fit did not see: take more poses\n", possible.effect,
-                        possible.location);
+  std::vector<std::string> possible;
+  for (const Finding& each : diagnosis.possibilities) {
+    possible.push_back(fmt::format("possible: {} at {}, but it does not serve poses that the fit did not see: take more poses", each.effect,
+                                   each.location));
   }
+  text += listText(possible, "  ", length == TextLength::kWhole ? possible.size() : kShownOnScreen);
   text += remains(diagnosis);
-  text += ladder(diagnosis);
+  text += ladder(diagnosis, length);
   if (diagnosis.remaining_significant) {
     text += fmt::format("  still there: structure at {}, driven by {}\n", diagnosis.remaining_location, diagnosis.remaining_driver);
   }
@@ -159,13 +213,7 @@ std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>&
     text += fmt::format("  the arm is {:.1f} times farther from its nominal geometry than the tolerances allow: check robot and options\n",
                         diagnosis.arm_beyond_tolerance);
   }
-  const std::vector<std::string> untested = untestedLines(diagnosis);
-  constexpr std::size_t kShown = 6;
-  for (std::size_t k = 0; k < untested.size() && k < kShown; ++k) text += fmt::format("  not tested: {}\n", untested[k]);
-  if (untested.size() > kShown) {
-    text += fmt::format("  and {} more that this capture cannot test, see diagnosis.json\n", untested.size() - kShown);
-  }
-  return text;
+  return text + (length == TextLength::kWhole ? untestedText(diagnosis) : untestedNames(diagnosis));
 }
 
 std::string explainEffect(const Diagnosis& diagnosis, const std::string& effect) {

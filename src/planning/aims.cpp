@@ -135,24 +135,30 @@ double ContrastAim::combined(const std::vector<double>& chi_squares) const {
 }
 
 std::vector<std::size_t> choosePoses(Aim& aim, std::size_t candidates, std::vector<std::size_t> chosen, std::size_t count, int jobs,
-                                     double enough) {
+                                     double enough, const ProgressFunction& progress) {
   std::vector<bool> in(candidates, false);
   const auto take = [&](std::size_t k) {
     aim.add(k);
     in[k] = true;
   };
   for (const std::size_t k : chosen) take(k);
+  Progress choosing(progress, "choosing poses", count - std::min(count, chosen.size()));
+  choosing.show();
   while (chosen.size() < count && aim.cost() > enough) {
     const std::size_t best = bestOf(aim, in, jobs);
     if (best == kNone) break;
     take(best);
     chosen.push_back(best);
+    choosing.advance();
   }
+  choosing.finish();
   constexpr int kMostRounds = 20;
   constexpr double kGain = 1e-6;  // of the cost: less is rounding
   bool helped = true;
   for (int round = 0; helped && round < kMostRounds; ++round) {
     helped = false;
+    Progress exchanging(progress, "exchanging poses for better ones", chosen.size());
+    exchanging.show();
     for (std::size_t& pose : chosen) {
       const double before = aim.cost();
       aim.remove(pose);
@@ -164,6 +170,7 @@ std::vector<std::size_t> choosePoses(Aim& aim, std::size_t candidates, std::vect
         helped = true;
       }
       take(pose);
+      exchanging.advance();
     }
   }
   return chosen;

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "planning/knowledge.hpp"
+#include "poecal/core/progress.hpp"
 
 namespace poecal {
 
@@ -93,8 +94,8 @@ class ContrastAim : public Aim {
 
 /// Poses that make a cost small: one after the other each the best beside those before, then each in turn exchanged for the best that there
 /// is instead until none helps (Fedorov 1972). Each candidate at most once. @param enough  a cost at which no further pose is added.
-/// @param chosen  poses to begin with, not in the aim yet.
+/// @param chosen  poses to begin with, not in the aim yet. @param progress  told of each pose that is chosen or may be exchanged.
 std::vector<std::size_t> choosePoses(Aim& aim, std::size_t candidates, std::vector<std::size_t> chosen, std::size_t count, int jobs,
-                                     double enough);
+                                     double enough, const ProgressFunction& progress = {});
 
 }  // namespace poecal

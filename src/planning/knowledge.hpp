@@ -15,6 +15,9 @@ namespace poecal {
 /// residual.
 using WhiteRows = Eigen::MatrixXd;
 
+/// Label of the progress of Knowledge::expected().
+inline constexpr const char* kShowing = "what each pose would show";
+
 /// [X r] with at most as many rows as columns and the same squares.
 WhiteRows condensed(WhiteRows rows);
 

@@ -61,7 +61,8 @@ void requireCamera(const PlanningCell& cell) {
 }
 
 std::vector<Sample> candidatesOf(const Pool& pool, const PlanOptions& options, Plan& plan) {
-  std::vector<Sample> candidates = pool.visible(PoolPurpose::kCandidates, 0, options.candidates, &plan.drawn);
+  Progress told(options.progress, "looking for postures that show the target", static_cast<std::size_t>(options.candidates));
+  std::vector<Sample> candidates = pool.visible(PoolPurpose::kCandidates, 0, options.candidates, &plan.drawn, &told);
   plan.visible = static_cast<int>(candidates.size());
   if (plan.visible < options.count) {
     throw InsufficientData(fmt::format(
@@ -70,6 +71,7 @@ std::vector<Sample> candidatesOf(const Pool& pool, const PlanOptions& options, P
         "better, or a smaller --link-radius",
         plan.visible, plan.drawn, options.count));
   }
+  told.finish();
   return candidates;
 }
 
@@ -77,23 +79,32 @@ std::vector<Sample> candidatesOf(const Pool& pool, const PlanOptions& options, P
 using AimOf = std::function<std::unique_ptr<Aim>(const std::vector<Sample>&)>;
 
 /// Tells how many random visible poses, in the order in which they were drawn, cost as little as `cost`.
-void tellRandomPoses(const Pool& pool, const AimOf& aim_of, int most, double cost, Plan& plan) {
+void tellRandomPoses(const Pool& pool, const AimOf& aim_of, const PlanOptions& options, double cost, Plan& plan) {
+  const int most = kMostRandom * options.count;
   std::vector<Sample> samples;
   std::vector<std::pair<std::size_t, std::size_t>> sequences;
+  Progress drawing(options.progress, "random postures to compare with", kSequences * static_cast<std::size_t>(most));
   for (std::size_t number = 0; number < kSequences; ++number) {
-    const std::vector<Sample> random = pool.visible(PoolPurpose::kRandom, number, most);
+    const std::vector<Sample> random = pool.visible(PoolPurpose::kRandom, number, most, nullptr, &drawing);
     sequences.emplace_back(samples.size(), samples.size() + random.size());
     const int found = static_cast<int>(random.size());
     plan.random_tried = number == 0 ? found : std::min(plan.random_tried, found);  // fewer where hardly any posture shows the target
     samples.insert(samples.end(), random.begin(), random.end());
   }
+  drawing.finish();
   const std::unique_ptr<Aim> before = aim_of(samples);
   std::vector<double> counts;
+  Progress comparing(options.progress, "comparing with random poses", kSequences);
+  comparing.show();
   for (const auto& [begin, end] : sequences) {
     const std::unique_ptr<Aim> aim = before->copy();
     std::size_t next = begin;
-    while (next < end && aim->cost() > cost) aim->add(next++);
+    while (next < end && aim->cost() > cost) {
+      comparing.show();
+      aim->add(next++);
+    }
     counts.push_back(aim->cost() > cost ? std::numeric_limits<double>::infinity() : static_cast<double>(next - begin));
+    comparing.advance();
   }
   const double middle = median(counts);
   if (std::isfinite(middle)) plan.random_poses = static_cast<int>(middle);
@@ -116,8 +127,8 @@ std::vector<Sample> choose(const Pool& pool, const AimOf& aim_of, const std::vec
   constexpr int kNear = 40;  // variants of each pose
   const double enough = enoughFor(options);
   std::unique_ptr<Aim> aim = aim_of(candidates);
-  std::vector<Sample> poses =
-      chosenOf(candidates, choosePoses(*aim, candidates.size(), {}, static_cast<std::size_t>(options.count), options.jobs, enough));
+  std::vector<Sample> poses = chosenOf(candidates, choosePoses(*aim, candidates.size(), {}, static_cast<std::size_t>(options.count),
+                                                               options.jobs, enough, options.progress));
   std::size_t sequence = 0;
   for (const double share : {0.1, 0.05, 0.025}) {
     const std::vector<Sample> before = poses;
@@ -128,9 +139,9 @@ std::vector<Sample> choose(const Pool& pool, const AimOf& aim_of, const std::vec
     std::vector<std::size_t> first(before.size());
     std::iota(first.begin(), first.end(), std::size_t{0});
     aim = aim_of(poses);
-    poses = chosenOf(poses, choosePoses(*aim, poses.size(), first, first.size(), options.jobs, enough));
+    poses = chosenOf(poses, choosePoses(*aim, poses.size(), first, first.size(), options.jobs, enough, options.progress));
   }
-  tellRandomPoses(pool, aim_of, kMostRandom * options.count, aim->cost(), plan);
+  tellRandomPoses(pool, aim_of, options, aim->cost(), plan);
   return poses;
 }
 
@@ -195,14 +206,18 @@ Plan planPoses(const PlanningCell& cell, const PlanOptions& options) {
   const Eigen::MatrixXd before = knowledge.prior().precision + squaresOf(knowledge.taken(), knowledge.columns());
   AimOf aim_of = [&](const std::vector<Sample>& samples) -> std::unique_ptr<Aim> {
     const Eigen::MatrixXd Q = options.criterion == PlanCriterion::kA ? workspace.position() : Eigen::MatrixXd();
-    return std::make_unique<CertaintyAim>(before, Q, condensedRows(knowledge.expected(samples)));
+    Progress told(options.progress, kShowing, 1);
+    told.show();
+    std::unique_ptr<Aim> aim = std::make_unique<CertaintyAim>(before, Q, condensedRows(knowledge.expected(samples)));
+    told.advance();
+    return aim;
   };
   Question question;
   if (options.aim != PlanAim::kTool) {
-    question = options.aim == PlanAim::kSeparate ? separation(cell, candidates, options.odds) : detection(cell, candidates, options);
+    question = options.aim == PlanAim::kSeparate ? separation(cell, candidates, options) : detection(cell, candidates, options);
     plan.sides_matter = plan.sides_matter || question.sides_matter;
-    aim_of = [&question](const std::vector<Sample>& samples) -> std::unique_ptr<Aim> {
-      return std::make_unique<ContrastAim>(question.contrasts(samples));
+    aim_of = [&](const std::vector<Sample>& samples) -> std::unique_ptr<Aim> {
+      return std::make_unique<ContrastAim>(question.contrasts(samples, options.progress));
     };
   }
   const std::vector<Sample> chosen = choose(pool, aim_of, candidates, options, plan);

@@ -61,16 +61,19 @@ bool Pool::isVisible(const Sample& sample) const {
   return true;
 }
 
-std::vector<Sample> Pool::visible(PoolPurpose purpose, std::size_t number, int count, long* drawn) const {
+std::vector<Sample> Pool::visible(PoolPurpose purpose, std::size_t number, int count, long* drawn, Progress* told) const {
   Rng rng(options_.seed, streamOf(purpose, number));
   const Sample to_come = sampleToCome(cell_, ranges_.empty() ? Eigen::VectorXd() : drawReading(ranges_, rng));
   std::vector<Sample> found;
   long tried = 0;
   for (; tried < kDrawsPerPose * count && static_cast<int>(found.size()) < count; ++tried) {
+    if (told != nullptr && tried % kDrawsPerPose == 0) told->show();
     Sample sample = to_come;
     sample.q = drawReading(ranges_, rng);
     for (double& side : sample.dir) side = rng.below(2) == 0 ? -1.0 : 1.0;
-    if (isVisible(sample)) found.push_back(std::move(sample));
+    if (!isVisible(sample)) continue;
+    found.push_back(std::move(sample));
+    if (told != nullptr) told->advance();
   }
   if (drawn != nullptr) *drawn = tried;
   return found;

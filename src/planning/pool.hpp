@@ -18,7 +18,8 @@ class Pool {
   Pool(const PlanningCell& cell, const PlanOptions& options);
 
   /// Up to `count` visible postures, as sequence `number` of a purpose draws them. @param drawn  if given, set to how many were tried.
-  std::vector<Sample> visible(PoolPurpose purpose, std::size_t number, int count, long* drawn = nullptr) const;
+  /// @param told  if given, advanced for each, and shown while none is found.
+  std::vector<Sample> visible(PoolPurpose purpose, std::size_t number, int count, long* drawn = nullptr, Progress* told = nullptr) const;
   /// Visible postures near a posture: every joint moved by a normal draw of `share` of its range, half of them one joint alone. @param
   /// number of the sequence.
   std::vector<Sample> near(const Sample& sample, double share, std::size_t number, int count) const;

@@ -104,7 +104,10 @@ struct Explanations {
   std::vector<FurtherColumns> columns;  ///< one for each rival
 };
 
-Explanations explanationsOf(const PlanningCell& cell, const Rivals& rivals, std::vector<std::string>& not_told) {
+Explanations explanationsOf(const PlanningCell& cell, const Rivals& rivals, const ProgressFunction& progress,
+                            std::vector<std::string>& not_told) {
+  Progress told(progress, "what the data say of each explanation", rivals.explanations.size());
+  told.show();
   Explanations all{.effects = cell.model.effects, .rivals = {}, .columns = {}};
   const std::optional<AppliedEffect> found = takeOut(rivals.explanations.front(), all.effects);
   const Knowledge without(cell, all.effects);
@@ -127,6 +130,7 @@ Explanations explanationsOf(const PlanningCell& cell, const Rivals& rivals, std:
     } else {
       not_told.push_back(nameOf(rival) + ": this capture has no column for it");
     }
+    told.advance();
   }
   return all;
 }
@@ -176,7 +180,7 @@ double mostChiSquare(const AskedContrast& asked, const std::vector<WhiteRows>& e
 }
 
 /// Adds the contrasts of one finding.
-void addContrasts(const PlanningCell& cell, const Explanations& all, const std::vector<Sample>& candidates, double odds,
+void addContrasts(const PlanningCell& cell, const Explanations& all, const std::vector<Sample>& candidates, const PlanOptions& options,
                   const std::string& separate_with, Question& question) {
   constexpr double kHardly = 1.0;  // chi-square of all candidates together: these two expect the same everywhere
   const auto knowledge = std::make_shared<const Knowledge>(cell, all.effects, all.columns);
@@ -186,8 +190,11 @@ void addContrasts(const PlanningCell& cell, const Explanations& all, const std::
   std::vector<Fitted> fits;
   std::vector<std::string> alike;
   for (const Span& span : spans) fits.push_back(fitted(taken, knowledge->prior(), base, span));
+  Progress told(options.progress, "which explanations poses tell apart", spans.size());
+  told.show();
   for (std::size_t i = 1; i < spans.size(); ++i) {
-    if (all.rivals.front().probability >= odds * all.rivals[i].probability) continue;
+    told.advance();
+    if (all.rivals.front().probability >= options.odds * all.rivals[i].probability) continue;
     std::vector<AskedContrast> both;
     for (const auto& [right, wrong] : {std::pair(std::size_t{0}, i), std::pair(i, std::size_t{0})}) {
       both.push_back(contrastOf(knowledge, base, fits[right], spans[right], fits[wrong], spans[wrong]));
@@ -202,6 +209,7 @@ void addContrasts(const PlanningCell& cell, const Explanations& all, const std::
     question.pairs.push_back({rival, finding, std::exp(both.back().before.log_odds), 1.0});
     std::move(both.begin(), both.end(), std::back_inserter(question.asked));
   }
+  told.finish();
   if (alike.empty()) return;
   question.not_told.push_back(fmt::format("{} and {} expect the same in every pose{}", nameOf(all.rivals.front()), fmt::join(alike, ", "),
                                           separate_with.empty() ? "" : ": " + separate_with));
@@ -253,30 +261,34 @@ std::vector<Candidate> askedFor(const Rival& asked, const CandidateList& list) {
 
 }  // namespace
 
-std::vector<Contrast> Question::contrasts(const std::vector<Sample>& samples) const {
+std::vector<Contrast> Question::contrasts(const std::vector<Sample>& samples, const ProgressFunction& progress) const {
+  Progress told(progress, kShowing, asked.size());
+  told.show();
   std::map<const Knowledge*, std::vector<WhiteRows>> expected;
   std::vector<Contrast> all;
   for (const AskedContrast& each : asked) {
     if (!expected.contains(each.knowledge.get())) expected[each.knowledge.get()] = each.knowledge->expected(samples);
     Contrast& contrast = all.emplace_back(each.before);
     contrast.rows = std::make_shared<const std::vector<WhiteRows>>(rowsOf(each, expected[each.knowledge.get()]));
+    told.advance();
   }
   return all;
 }
 
-Question separation(const PlanningCell& cell, const std::vector<Sample>& candidates, double odds) {
+Question separation(const PlanningCell& cell, const std::vector<Sample>& candidates, const PlanOptions& options) {
   if (cell.open.empty()) throw InsufficientData("no finding of the diagnosis has alternatives: there is nothing to tell apart");
   Question question;
   for (const Rivals& rivals : cell.open) {
-    const Explanations all = explanationsOf(cell, rivals, question.not_told);
+    const Explanations all = explanationsOf(cell, rivals, options.progress, question.not_told);
     if (all.rivals.size() > 1 && nameOf(all.rivals.front()) == nameOf(rivals.explanations.front()))
-      addContrasts(cell, all, candidates, odds, rivals.separate_with, question);
+      addContrasts(cell, all, candidates, options, rivals.separate_with, question);
     for (const Rival& rival : all.rivals) question.sides_matter = question.sides_matter || hangsOnSides(Driver(rival.driver));
   }
   if (question.asked.empty()) {
-    throw InsufficientData(question.not_told.empty()
-                               ? fmt::format("every finding is {:.0f} times as likely as each of its alternatives: nothing is open", odds)
-                               : fmt::format("other poses do not tell these apart: {}", fmt::join(question.not_told, "; ")));
+    throw InsufficientData(
+        question.not_told.empty()
+            ? fmt::format("every finding is {:.0f} times as likely as each of its alternatives: nothing is open", options.odds)
+            : fmt::format("other poses do not tell these apart: {}", fmt::join(question.not_told, "; ")));
   }
   return question;
 }
@@ -288,6 +300,8 @@ Question detection(const PlanningCell& cell, const std::vector<Sample>& candidat
   measured.samples.insert(measured.samples.end(), candidates.begin(), candidates.end());
   const std::vector<Candidate> instances = askedFor(effect, allCandidates(measured, plain.state()));
   Question question;
+  Progress told(options.progress, "how the effect would show", instances.size());
+  told.show();
   for (const Candidate& instance : instances) {
     const auto knowledge =
         std::make_shared<const Knowledge>(cell, cell.model.effects, std::vector<FurtherColumns>{{instance, instance.typical}});
@@ -302,6 +316,7 @@ Question detection(const PlanningCell& cell, const std::vector<Sample>& candidat
       question.asked.push_back(std::move(asked));
     }
     question.sides_matter = question.sides_matter || hangsOnSides(instance.driver);
+    told.advance();
   }
   return question;
 }

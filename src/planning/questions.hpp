@@ -27,15 +27,15 @@ struct Question {
   std::vector<std::string> not_told;  ///< rivals that no pose tells apart, with what does
   bool sides_matter = false;          ///< some explanation hangs on the side from which a joint comes
 
-  /// With the rows of poses that may be taken.
-  std::vector<Contrast> contrasts(const std::vector<Sample>& samples) const;
+  /// With the rows of poses that may be taken. @param progress  told of each contrast.
+  std::vector<Contrast> contrasts(const std::vector<Sample>& samples, const ProgressFunction& progress = {}) const;
 };
 
 /// Each rival against the finding, and the finding against each rival. Let a be right: with the factors b_a that the data so far give,
 /// a pose's rows become X_a b_a, and the model of b expects X_b b_b with covariance C + X_b Sigma_b X_b'. The contrast is of
 /// d = X_a b_a - X_b b_b. @param candidates  what they all together do not tell apart, no pose does.
 /// @throws InsufficientData where no rival is open, or none can be told apart by poses.
-Question separation(const PlanningCell& cell, const std::vector<Sample>& candidates, double odds);
+Question separation(const PlanningCell& cell, const std::vector<Sample>& candidates, const PlanOptions& options);
 
 /// An effect of that size against none, with the rows taken so far in it: one contrast for each instance and size. Of waves the orders 2
 /// to 6.

@@ -31,17 +31,17 @@ std::filesystem::path folderOf(const std::string& pictures, const std::filesyste
 
 /// @param json  text of `report`.
 std::string pageOf(const Json& report, const std::string& json, const std::filesystem::path& pictures, int jobs,
-                   const std::filesystem::path& kept) {
+                   const std::filesystem::path& kept, const ProgressFunction& progress) {
   const PageAssets& assets = pageAssets();
   const std::string data = inScript(json);
   const std::size_t fixed = assets.html.size() + assets.style.size() + assets.program.size() + assets.d3.size() + data.size();
   const std::size_t left = kMostBytes > fixed ? kMostBytes - fixed : 0;
-  return pageText(assets.program, data, inScript(samplePictures(report, pictures, left, jobs, kept)));
+  return pageText(assets.program, data, inScript(samplePictures(report, pictures, left, jobs, kept, progress)));
 }
 
-void writePage(const Json& report, const std::string& json, const std::filesystem::path& out, int jobs) {
+void writePage(const Json& report, const std::string& json, const std::filesystem::path& out, int jobs, const ProgressFunction& progress) {
   const std::filesystem::path pictures = folderOf(report.at("pictures").get<std::string>(), out);
-  writeTextFile(out / "report.html", pageOf(report, json, pictures, jobs, out / ".stages" / "report-pictures"));
+  writeTextFile(out / "report.html", pageOf(report, json, pictures, jobs, out / ".stages" / "report-pictures", progress));
 }
 
 constexpr const char* kNotBuilt =
@@ -55,26 +55,28 @@ void requireReport() {
   if (!reportBuilt()) throw InvalidArgument(kNotBuilt);
 }
 
-std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept) {
+std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept,
+                       const ProgressFunction& progress) {
   requireReport();
-  return pageOf(Json::parse(json), json, pictures, jobs, kept);
+  return pageOf(Json::parse(json), json, pictures, jobs, kept, progress);
 }
 
 void writeReportData(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out) {
   if (run.calibration.identification) writeTextFile(out / "report.json", reportJson(run, noted(capture, out)));
 }
 
-std::string writeReport(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs) {
+std::string writeReport(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs,
+                        const ProgressFunction& progress) {
   if (!run.calibration.identification) return "the arm was not identified";
   const Json report = reportObject(run, noted(capture, out));
   const std::string json = reportText(report);
   writeTextFile(out / "report.json", json);
   if (!reportBuilt()) return kNotBuilt;
-  writePage(report, json, out, jobs);
+  writePage(report, json, out, jobs, progress);
   return "";
 }
 
-void renderReport(const std::filesystem::path& out, int jobs) {
+void renderReport(const std::filesystem::path& out, int jobs, const ProgressFunction& progress) {
   requireReport();
   const std::filesystem::path file = out / "report.json";
   std::error_code status;
@@ -87,7 +89,7 @@ void renderReport(const std::filesystem::path& out, int jobs) {
     throw FileError(file, 0, "is no report, expected format poecal-report/1 as poecal run, identify and diagnose write it");
   }
   try {
-    writePage(report, text, out, jobs);
+    writePage(report, text, out, jobs, progress);
   } catch (const Json::exception& problem) {
     throw FileError(file, 0, std::string("is not as it was written: ") + problem.what());
   }

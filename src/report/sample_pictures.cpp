@@ -143,7 +143,7 @@ std::optional<std::string> keptText(const std::filesystem::path& kept, const std
 }  // namespace
 
 std::string samplePictures(const nlohmann::ordered_json& report, const std::filesystem::path& folder, std::size_t most_bytes, int jobs,
-                           const std::filesystem::path& kept) {
+                           const std::filesystem::path& kept, const ProgressFunction& progress) {
   constexpr std::size_t kMostPictures = 200;
   constexpr std::size_t kFewestBytes = 6000, kMostBytes = 40000;  // of a picture: fewer show nothing, more show no more
   const Json& samples = report.at("samples");
@@ -154,7 +154,11 @@ std::string samplePictures(const nlohmann::ordered_json& report, const std::file
   const std::string key = kept.empty() ? "" : keyOf(samples, rows, folder, each);
   if (const std::optional<std::string> same = keptText(kept, key)) return *same;
   std::vector<Json> pictures(rows.size());
-  parallelFor(rows.size(), jobs, [&](std::size_t k) { pictures[k] = pictureJson(samples.at(rows[k]), rows[k], folder, each); });
+  Progress told(progress, "pictures of the report", rows.size());
+  parallelFor(rows.size(), jobs, [&](std::size_t k) {
+    pictures[k] = pictureJson(samples.at(rows[k]), rows[k], folder, each);
+    told.advance();
+  });
   Json list = Json::array();
   for (Json& picture : pictures) {
     if (!picture.is_null()) list.push_back(std::move(picture));

@@ -58,13 +58,14 @@ Eigen::VectorXd directions(const Eigen::VectorXd& from, const Eigen::VectorXd& t
 
 }  // namespace
 
-SampleTable drawSamples(const Scene& scene) {
+SampleTable drawSamples(const Scene& scene, const SimulateOptions& options) {
   if (!scene.samples_file.empty()) return readSamples(scene.samples_file, scene.nominal.jointCount(), &scene.nominal);
   const std::vector<JointLimits> ranges = readingRanges(scene.nominal, scene.robot_file);
   Rng rng(scene.seed, streamOf(Purpose::kSamples));
   SampleTable table;
   table.has_joints = true;
   Eigen::VectorXd previous;
+  Progress told(options.progress, "drawing poses", static_cast<std::size_t>(scene.count));
   for (int pose = 0; pose < scene.count; ++pose) {
     const Eigen::VectorXd q = drawPose(scene, ranges, rng, pose);
     const Eigen::VectorXd dir = previous.size() == 0 ? Eigen::VectorXd::Ones(q.size()) : directions(previous, q);
@@ -79,6 +80,7 @@ SampleTable drawSamples(const Scene& scene) {
       table.samples.push_back(std::move(sample));
     }
     previous = q;
+    told.advance();
   }
   addDrivers(scene, table);
   return table;

@@ -249,7 +249,7 @@ SimulateSummary simulate(const Scene& scene, const std::filesystem::path& captur
     requireEmpty(folder);
     requireEmpty(truth);
   }
-  Simulation simulation{.scene = scene, .samples = drawSamples(scene), .disturbances = {}, .corners = {}, .T_camera_board = {}};
+  Simulation simulation{.scene = scene, .samples = drawSamples(scene, options), .disturbances = {}, .corners = {}, .T_camera_board = {}};
   simulation.disturbances = trueDisturbances(scene, simulation.samples.samples);
   simulation.corners = trueCorners(scene, simulation.samples);
   if (scene.board) simulation.T_camera_board = drawBoardPoses(scene.camera, *scene.board, scene.board_count, scene.seed);

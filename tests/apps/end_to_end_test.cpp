@@ -78,6 +78,36 @@ TEST_P(SceneWithAnEffect, IsDiagnosed) {
 INSTANTIATE_TEST_SUITE_P(All, SceneWithAnEffect, ::testing::Values("lens", "mount"),
                          [](const auto& instance) { return std::string(instance.param); });
 
+/// Rows that a text takes on a terminal of 100 columns.
+std::size_t rowsOnTerminal(const std::string& text) {
+  constexpr std::size_t kColumns = 100;
+  std::size_t rows = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    rows += std::max<std::size_t>(1, (end - begin + kColumns - 1) / kColumns);
+    begin = end + 1;
+  }
+  return rows;
+}
+
+TEST_F(EndToEnd, TwoFindingsFitOneScreen) {
+  fs::copy(fs::path(POECAL_SOURCE_DIR) / "calib_data/cobot6", path("scene"));
+  const std::string scene = readTextFile(path("scene/scene-corners.yaml"));
+  folder_.write("scene/scene.yaml", scene +
+                                        "effects:\n"
+                                        "  - {effect: joint_coupling, location: joint:6, parameters: {source: 5, ratio: 1.0e-3}}\n"
+                                        "  - {effect: joint_backlash, location: joint:2, parameters: {half_gap: 3.0e-4}}\n");
+  runWell("simulate scene/scene.yaml --out capture");
+  const test::ProgramRun result = runWell("run capture --out out");
+  const auto diagnosis = nlohmann::json::parse(readTextFile(path("out/diagnosis.json")));
+  ASSERT_EQ(diagnosis["findings"].size(), 2u);
+  constexpr std::size_t kScreen = 40, kCommandAndPrompt = 2;
+  EXPECT_LE(rowsOnTerminal(result.out), kScreen - kCommandAndPrompt) << result.out;
+  EXPECT_THAT(result.out, HasSubstr("\n  not tested everywhere: rolling_shutter, "));
+  EXPECT_THAT(runWell("diagnose capture --out out").out,
+              HasSubstr("\n  not tested: rolling_shutter at camera.shutter (no dq1.. columns)\n"));
+}
+
 TEST_F(EndToEnd, StepsBeforeTheCalibrationGiveJsonToo) {
   test::writeSmallScene(folder_.path(), test::SmallCell::kPictures, "intrinsics: {target: board.yaml, count: 4}\n", 3);
   const std::string paper = "paper '" + std::string(POECAL_SOURCE_DIR) + "/calib_data/puma560' --seeds 1";

@@ -263,6 +263,45 @@ TEST_F(CheckCorners, RoundedReadingsAreSaid) {
   EXPECT_THAT(check().items, Contains(says(CheckLevel::kAdvice, "samples", "q1 to q6 hold multiples of 0.01 rad")));
 }
 
+/// Hears everything, and stops the check at one call.
+struct Hearing {
+  std::vector<std::string> labels = {};
+  std::size_t left = 0, calls = 0, stop_at = 0;
+  ProgressFunction function() {
+    return [this](const std::string& label, std::size_t done, std::size_t total) {
+      if (++calls == stop_at) throw InvalidArgument("the listener has enough");
+      if (labels.empty() || labels.back() != label) labels.push_back(label);
+      left = total - done;
+    };
+  }
+};
+
+TEST_F(CheckCapture, TellsOfEachPicture) {
+  create();
+  fill(5);
+  takePictures(5);
+  Hearing hearing;
+  checkCapture(folder_.path() / "capture", {.progress = hearing.function()});
+  EXPECT_THAT(hearing.labels, ::testing::ElementsAre("looking at pictures", "comparing pictures"));
+  EXPECT_EQ(hearing.left, 0u);
+  EXPECT_EQ(hearing.calls, 10u);
+}
+
+// What a check finds wrong it says; what its listener throws is nothing that it found.
+TEST_F(CheckCorners, AListenerThatThrowsStopsIt) {
+  check();
+  Hearing all;
+  const CaptureCheck told = checkCapture(folder_.path(), {.progress = all.function()});
+  EXPECT_THAT(all.labels, Contains("registering"));
+  EXPECT_EQ(all.left, 0u);
+  EXPECT_EQ(told.items.size(), check().items.size());
+  for (const std::size_t stop : {std::size_t{1}, all.calls / 2, all.calls}) {
+    Hearing stopping{.stop_at = stop};
+    EXPECT_THAT([&] { checkCapture(folder_.path(), {.progress = stopping.function()}); },
+                ThrowsMessage<InvalidArgument>("the listener has enough"));
+  }
+}
+
 TEST_F(CheckCapture, NothingIsReplaced) {
   create();
   EXPECT_THAT([this] { create(); }, ThrowsMessage<InvalidArgument>(HasSubstr("is there already, expected a new folder")));

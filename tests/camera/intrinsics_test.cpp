@@ -1,6 +1,8 @@
 #include "poecal/camera/intrinsics.hpp"
 
 #include <cmath>
+#include <map>
+#include <stdexcept>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -17,6 +19,7 @@ namespace {
 
 using test::IsNear;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -379,6 +382,32 @@ TEST(Intrinsics, TooLittleDataAndBadCallsAreErrors) {
   IntrinsicsOptions options;
   options.bad_view_factor = 0.5;
   EXPECT_THAT([&] { options.validate(); }, ThrowsMessage<InvalidArgument>(HasSubstr("bad_view_factor is 0.5")));
+}
+
+TEST(Intrinsics, TellHowFarTheyAreAndCanBeStoppedAnywhere) {
+  Rng rng = test::rngOfThisTest();
+  const Camera truth = test::plumbBobCamera();
+  const std::vector<BoardView> views = test::noisy(test::boardScene(truth, 8, rng).views, 0.1, rng);
+  std::map<std::string, std::vector<std::size_t>> left;  // pieces of each job, when it was told
+  int calls = 0, stop_at = 1000;
+  IntrinsicsOptions options;
+  options.progress = [&](const std::string& label, std::size_t done, std::size_t total) {
+    if (++calls >= stop_at) throw std::runtime_error("enough at " + std::to_string(calls));
+    left[label].push_back(total - done);
+  };
+  const IntrinsicsResult told = calibrateIntrinsics(views, truth.width, truth.height, options);
+  EXPECT_EQ(told.chosen().camera.parameters(), calibrated(truth, views).chosen().camera.parameters());
+  EXPECT_THAT(left["fitting the lens"], ElementsAre(6, 5, 4, 3, 2, 1, 0));
+  EXPECT_EQ(left["fitting the lens without outliers"].back(), 0u);
+  EXPECT_EQ(left["judging each picture of the board"].front(), views.size());
+  EXPECT_EQ(left["judging each picture of the board"].back(), 0u);
+  const int all = calls;
+  for (const int stop : {1, all / 2, all}) {
+    calls = 0;
+    stop_at = stop;
+    EXPECT_THAT([&] { calibrateIntrinsics(views, truth.width, truth.height, options); },
+                ThrowsMessage<std::runtime_error>("enough at " + std::to_string(stop)));
+  }
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // The joints to command, where the truth is known.
 #include "poecal/compensation/compensate.hpp"
 
+#include <stdexcept>
+
 #include <gmock/gmock.h>
 
 #include "effects/rich_cell.hpp"
@@ -219,6 +221,28 @@ TEST(Compensate, SidesComeFromTheOrderAndTimesDoNot) {
   const RealArm drifting{.arm = *rich.cell.arm, .effects = {test::effectOf(rich, "joint_drift", "joint:1", {{"rate", 1e-3}}, "stamp")}};
   EXPECT_THAT([&] { compensate(drifting, wanted); },
               ThrowsMessage<InsufficientData>(HasSubstr("joint_drift at joint:1 cannot be computed: no stamp column")));
+}
+
+TEST(Compensate, EachRowIsToldAndMayStopIt) {
+  Rng rng(13);
+  const RealArm arm{.arm = test::randomArm(rng, "RRRRRR")};
+  std::vector<Sample> samples(5);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const Eigen::VectorXd q = test::uniformVector(rng, 6, 1.0);
+    samples[k].T_base_flange = forwardKinematics(arm.arm, q);
+    if (k > 1) samples[k].q = q;
+  }
+  std::vector<std::pair<std::string, std::size_t>> left;
+  const auto listen = [&left](const std::string& label, std::size_t done, std::size_t total) { left.emplace_back(label, total - done); };
+  const std::vector<JointCommand> told = compensate(arm, tableOf(samples), nullptr, listen);
+  const std::string begin = "joints to begin from", each = "joints for each pose";
+  EXPECT_THAT(left, ::testing::ElementsAre(std::pair(begin, 1u), std::pair(begin, 0u), std::pair(each, 4u), std::pair(each, 3u),
+                                           std::pair(each, 2u), std::pair(each, 1u), std::pair(each, 0u)));
+  EXPECT_EQ(commandsCsv(tableOf(samples), told), commandsCsv(tableOf(samples), compensate(arm, tableOf(samples))));
+  const auto enough = [](const std::string& label, std::size_t done, std::size_t) {
+    if (label == "joints for each pose" && done == 2) throw std::runtime_error("enough");
+  };
+  EXPECT_THAT([&] { compensate(arm, tableOf(samples), nullptr, enough); }, ThrowsMessage<std::runtime_error>("enough"));
 }
 
 TEST(Compensate, ASampleWithoutAPoseIsRefused) {

@@ -9,6 +9,7 @@ import unittest
 import warnings
 import weakref
 
+import numpy as np
 import poecal
 
 import cells
@@ -71,6 +72,45 @@ class Told(unittest.TestCase):
         with warnings.catch_warnings(), self.assertRaisesRegex(UserWarning, name):
             warnings.simplefilter("error")
             poecal.loadCapture(capture, cells.new_folder() / "out")
+
+
+class OfCommands(unittest.TestCase):
+    def test_each_row_counts_once_and_may_be_the_last(self):
+        def refuse():
+            raise LookupError("enough")
+
+        arm, listener = poecal.realArm(poecal.readModel(cells.results() / "model.yaml")), Heard()
+        q = np.random.default_rng(5).uniform(-1.0, 0.0, (8, 6))
+        wanted = poecal.sampleTable(q, T_base_flange=poecal.forwardKinematics(arm.arm, q), dir=np.ones((8, 6)))
+        commands = poecal.compensate(arm, wanted, listener=listener)
+        self.assertEqual([heard[1:] for heard in listener.told], [(k + 1, 8) for k in range(8)])
+        np.testing.assert_array_equal([one.q for one in commands], [one.q for one in poecal.compensate(arm, wanted)])
+        with self.assertRaisesRegex(LookupError, "enough"):
+            poecal.compensate(arm, wanted, listener=Stops(refuse))
+
+
+class OfAReport(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.run_of_60 = poecal.runCapture(cells.corners_capture(), cells.new_folder() / "out")
+
+    def write(self, out, listener):
+        return poecal.writeReport(self.run_of_60, cells.corners_capture(), out, listener=listener)
+
+    def test_each_picture_counts_once(self):
+        listener, out = Heard(), cells.new_folder() / "out"
+        self.assertEqual(self.write(out, listener), "")
+        self.assertEqual([heard[1:] for heard in listener.told], [(k + 1, 60) for k in range(60)])
+        self.assertTrue((out / "report.html").exists())
+
+    def test_a_listener_stops_it(self):
+        def refuse():
+            raise LookupError("enough")
+
+        out = cells.new_folder() / "out"
+        with self.assertRaisesRegex(LookupError, "enough"):
+            self.write(out, Stops(refuse))
+        self.assertFalse((out / "report.html").exists())
 
 
 class Stopped(unittest.TestCase):
@@ -140,6 +180,13 @@ class InOptions(unittest.TestCase):
         loaded = poecal.loadCapture(cells.corners_capture(), cells.new_folder() / "out")
         nominal, measurements = loaded.nominal, loaded.measurements
         found = poecal.identify(nominal, measurements)
+        boards = poecal.readBoardPictures(board)
+        many = copy.copy(scene)
+        many.count = 5000
+        cell = poecal.readPlanningCell(poecal.PlanSource(capture=cells.corners_capture(), model=cells.results() / "model.yaml"))
+
+        def calibrated(**told):
+            return poecal.calibrateIntrinsics(boards.views, boards.width, boards.height, poecal.IntrinsicsOptions(**told))
 
         def simulated(**told):
             return poecal.simulate(scene, cells.new_folder() / "capture", poecal.SimulateOptions(jobs=1, **told))
@@ -153,6 +200,10 @@ class InOptions(unittest.TestCase):
             "detect": lambda **told: poecal.detect(folder, names, picture.target, poecal.DetectOptions(jobs=1, **told)),
             "readBoardPictures": lambda **told: poecal.readBoardPictures(board, poecal.DetectOptions(jobs=1, **told)),
             "simulate": simulated,
+            "calibrateIntrinsics": calibrated,
+            "checkCapture": lambda **told: poecal.checkCapture(capture, poecal.CheckOptions(detect=12, **told)),
+            "drawSamples": lambda **told: poecal.drawSamples(many, poecal.SimulateOptions(**told)),
+            "planPoses": lambda **told: poecal.planPoses(cell, poecal.PlanOptions(count=4, candidates=100, **told)),
         }  # fmt: skip
 
     def for_each(self, check):
@@ -164,7 +215,7 @@ class InOptions(unittest.TestCase):
         def check(call):
             told = []
             call(progress=lambda *heard: told.append(heard))
-            jobs = {label: [heard[1:] for heard in told if heard[0] == label] for label, _, _ in told}
+            jobs = {label: [heard[1:] for heard in told if heard[0] == label] for label in {heard[0] for heard in told}}
             self.assertGreater(len(jobs), 0)
             for heard in jobs.values():
                 self.assertEqual(heard[-1][0], heard[-1][1], jobs)
@@ -207,13 +258,18 @@ class InOptions(unittest.TestCase):
         told, pieces = [], poecal.SimulateOptions(jobs=2, progress=lambda *heard: told.append(heard))
         scene = poecal.readScene(cells.scene_file("image: {blur: 0.7, noise: 2.0, background: plain}", 4))
         poecal.simulate(scene, cells.new_folder() / "capture", pieces)
-        self.assertEqual([done for _, done, _ in told], [1, 2, 3, 4])
+        for label in ("drawing poses", "drawing"):
+            self.assertEqual([done for each, done, _ in told if each == label], [1, 2, 3, 4])
 
     def test_what_was_set_is_read_and_copied(self):
         def told(label, done, total):
             pass
 
-        for kind in (poecal.CalibrateOptions, poecal.DetectOptions, poecal.SimulateOptions):
+        kinds = (
+            poecal.CalibrateOptions, poecal.CheckOptions, poecal.DetectOptions, poecal.IntrinsicsOptions, poecal.PlanOptions,
+            poecal.SimulateOptions,
+        )  # fmt: skip
+        for kind in kinds:
             options = kind(progress=told)
             self.assertIs(options.progress, told)
             self.assertIs(copy.deepcopy(options).progress, told)

@@ -1,4 +1,6 @@
 // report.html as a file: its size, what it says of pictures, and that nothing in the data becomes markup.
+#include <stdexcept>
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -103,6 +105,27 @@ TEST_F(PicturesOfNoise, TheNumberOfJobsChangesNoByte) {
   POECAL_REQUIRE_D3;
   const std::string json = reportJson(run_, ".");
   EXPECT_TRUE(reportHtml(json, folder_.path(), 1) == reportHtml(json, folder_.path(), 3));
+}
+
+TEST_F(PicturesOfNoise, AreToldOneByOneAndCanBeStopped) {
+  POECAL_REQUIRE_D3;
+  const std::string json = reportJson(run_, ".");
+  std::vector<std::size_t> done;
+  std::size_t total = 0;
+  const auto listen = [&](const std::string&, std::size_t pieces, std::size_t all) {
+    done.push_back(pieces);
+    total = all;
+  };
+  EXPECT_TRUE(reportHtml(json, folder_.path(), 2, {}, listen) == reportHtml(json, folder_.path(), 1));
+  ASSERT_THAT(done, SizeIs(60));
+  for (std::size_t k = 0; k < done.size(); ++k) EXPECT_EQ(done[k], k + 1);
+  EXPECT_EQ(total, 60u);
+  const auto enough = [](const std::string&, std::size_t pieces, std::size_t) {
+    if (pieces == 3) throw std::runtime_error("enough");
+  };
+  const std::filesystem::path out = folder_.path() / "results/stopped";
+  EXPECT_THAT([&] { writeReport(run_, folder_.path(), out, 1, enough); }, ThrowsMessage<std::runtime_error>("enough"));
+  EXPECT_FALSE(std::filesystem::exists(out / "report.html"));
 }
 
 TEST_F(PicturesOfNoise, ThoseThatAreGoneAreLeftOut) {

@@ -121,6 +121,20 @@ TEST(DrawSamples, TargetOutOfSightIsInsufficientData) {
       InsufficientData);
 }
 
+TEST(DrawSamples, EachPoseIsToldAndTheLastMayStopIt) {
+  const TempFolder folder;
+  const Scene scene = smallScene(folder, "samples: {count: 3, seed: 3, repeats: 2}\n");
+  std::vector<std::size_t> left;
+  const SampleTable table =
+      drawSamples(scene, {.progress = [&left](const std::string&, std::size_t done, std::size_t total) { left.push_back(total - done); }});
+  EXPECT_EQ(left, (std::vector<std::size_t>{2, 1, 0}));
+  EXPECT_EQ(samplesCsv(table), samplesCsv(drawSamples(scene)));
+  const auto last = [](const std::string&, std::size_t done, std::size_t) {
+    if (done == 3) throw std::runtime_error("enough");
+  };
+  EXPECT_THAT([&] { drawSamples(scene, {.progress = last}); }, testing::ThrowsMessage<std::runtime_error>("enough"));
+}
+
 TEST(TrueCorners, MatchMatrixExponentialsAndTheLensByHand) {
   const TempFolder folder;
   const Scene scene = smallScene(folder, "errors: {seed: 1, position: 1.0e-3, rotation: 3.0e-3}\nsamples: {count: 10, seed: 3}\n");

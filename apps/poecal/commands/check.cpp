@@ -30,7 +30,9 @@ Example:
   capture can be calibrated
 )";
 
-int runCheck(const std::filesystem::path& folder, const CheckOptions& options, const Common& common) {
+int runCheck(const std::filesystem::path& folder, CheckOptions options, const Common& common) {
+  TerminalListener listener(common);
+  options.progress = listener.progressFunction();
   const CaptureCheck check = checkCapture(folder, options);
   const int status = check.exitStatus();
   const CheckLevel worst = status == 3 ? CheckLevel::kError : CheckLevel::kTooLittle;

@@ -169,7 +169,8 @@ int runCompensate(const CompensateOptions& options, const Common& common) {
   const SampleTable wanted = wantedOf(options, model, nominal);
   if (wanted.samples.empty()) throw InsufficientData(wanted.file.string() + ": no rows, expected one per pose");
   const RealArm arm = realArm(model);
-  const std::vector<JointCommand> commands = compensate(arm, wanted, nominal ? &*nominal : nullptr);
+  TerminalListener listener(common);
+  const std::vector<JointCommand> commands = compensate(arm, wanted, nominal ? &*nominal : nullptr, listener.progressFunction());
   refuseUnreached(options, common, wanted, commands);
   if (nominal) warnOfLargeMoves(wanted, commands);
   writeTextFile(options.out, commandsCsv(wanted, commands));

@@ -44,7 +44,7 @@ std::function<int()> setUpDiagnose(CLI::App& app, const Common& common) {
     if (!source.capture.identified.empty() && source.capture.folder.empty()) throw InvalidArgument("--identified needs a CAPTURE");
     const CalibrationRun run = runSource("diagnose", source, options->out, options->calibrate, {.diagnosis = true}, common);
     writeReportData(run, source.capture.folder, options->out);
-    std::string text = diagnosisSummary(run);
+    std::string text = diagnosisSummary(run, TextLength::kWhole);
     if (!options->explain.empty() && run.calibration.diagnosis) text += explainEffect(*run.calibration.diagnosis, options->explain);
     printReport(common, text, diagnosisJson(run.calibration, run.measurements));
     return 0;

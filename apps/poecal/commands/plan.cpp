@@ -172,6 +172,8 @@ int run(Arguments& arguments, const Common& common) {
   const bool first = arguments.source.capture.folder.empty();
   const PlanningCell cell = first ? firstCapture(arguments.first) : readPlanningCell(arguments.source);
   arguments.options.jobs = common.jobs;
+  TerminalListener listener(common);
+  arguments.options.progress = listener.progressFunction();
   const Plan plan = planPoses(cell, arguments.options);
   writeTextFile(arguments.out, planCsv(plan, cell.taken.samples.size()));
   printSummary(common, summaryText(arguments, plan, cell.noise.corner), summaryJson(arguments, plan));

@@ -23,7 +23,8 @@ std::function<int()> setUpReport(CLI::App& app, const Common& common) {
   app.add_option("OUT", *folder, "Folder that `run`, `identify` or `diagnose` wrote")->required();
   app.footer(kExample);
   return [folder, &common] {
-    renderReport(*folder, common.jobs);
+    TerminalListener listener(common);
+    renderReport(*folder, common.jobs, listener.progressFunction());
     const std::string page = (*folder / "report.html").string();
     printSummary(common, page + "\n", {{"file", page}});
     return 0;

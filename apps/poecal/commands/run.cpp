@@ -5,6 +5,7 @@
 #include "poecal/report/report.hpp"
 #include "sources.hpp"
 #include "summaries.hpp"
+#include "terminal.hpp"
 
 namespace poecal::app {
 namespace {
@@ -50,11 +51,12 @@ std::function<int()> setUpRun(CLI::App& app, const Common& common) {
     std::string text = registrationText(run);
     std::vector<std::pair<std::string, std::string>> json{{"measure", registrationSummaryJson(run)}};
     if (calibration.identification) {
-      text += identificationText(run) + diagnosisSummary(run);
+      text += identificationText(run) + diagnosisSummary(run, TextLength::kScreen);
       json.emplace_back("identify", identificationJson(*calibration.identification, run.measurements.samples));
       json.emplace_back("diagnose", diagnosisJson(calibration, run.measurements));
     }
-    const std::string no_page = writeReport(run, options->capture.folder, options->out, common.jobs);
+    TerminalListener listener(common);
+    const std::string no_page = writeReport(run, options->capture.folder, options->out, common.jobs, listener.progressFunction());
     const std::string out = options->out.string();
     text += no_page.empty() ? "results in " + out + ", to look at: " + (options->out / "report.html").string() + "\n"
                             : "results in " + out + ", without report.html: " + no_page + "\n";

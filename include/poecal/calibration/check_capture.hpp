@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "poecal/core/progress.hpp"
+
 namespace poecal {
 
 enum class CheckLevel {
@@ -30,9 +32,10 @@ struct CaptureCheck {
 };
 
 struct CheckOptions {
-  int detect = 0;         ///< pictures in which the detector is tried, evenly over the capture
-  int jobs = 1;           ///< pictures at a time; 0: one per core
-  void validate() const;  ///< @throws InvalidArgument with the field's name and value.
+  int detect = 0;                  ///< pictures in which the detector is tried, evenly over the capture
+  int jobs = 1;                    ///< pictures at a time; 0: one per core
+  ProgressFunction progress = {};  ///< told of every step; may be empty
+  void validate() const;           ///< @throws InvalidArgument with the field's name and value.
 };
 
 /// Reads a capture folder part by part, so that one mistake does not hide the next. Pictures are opened at their headers alone, but for

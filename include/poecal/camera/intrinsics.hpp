@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "poecal/camera/camera.hpp"
+#include "poecal/core/progress.hpp"
 
 namespace poecal {
 
@@ -30,6 +31,7 @@ struct IntrinsicsOptions {
   double bad_view_sigmas = 5.0;
   /// ...and this factor of the median. Never more than a quarter of the pictures: the worst.
   double bad_view_factor = 2.0;
+  ProgressFunction progress = {};  ///< told of every step; may be empty
   /// @throws InvalidArgument with the field's name and value.
   void validate() const;
 };

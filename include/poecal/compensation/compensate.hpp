@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "poecal/capture/capture.hpp"
+#include "poecal/core/progress.hpp"
 #include "poecal/effects/effect.hpp"
 #include "poecal/robot/arm.hpp"
 
@@ -53,9 +54,11 @@ struct JointCommand {
 /// @param wanted  T_base_flange is wanted of each sample. The search begins at q; where there is none, at the joints with which `start_arm`
 ///   reaches the pose, found from the row before (the first: from the middle of the joints' ranges). Other columns as reachedPoses().
 /// @param start_arm  nullptr: the real arm without its effects.
+/// @param progress  told of each row; may be empty.
 /// @throws InsufficientData: an effect follows a column that is not there. InvalidArgument: a sample without a wanted pose.
 /// @see Sugihara (2011), Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method.
-std::vector<JointCommand> compensate(const RealArm& arm, const SampleTable& wanted, const Arm* start_arm = nullptr);
+std::vector<JointCommand> compensate(const RealArm& arm, const SampleTable& wanted, const Arm* start_arm = nullptr,
+                                     const ProgressFunction& progress = {});
 
 /// Text of the table of commands: `line` of the row asked for, q1..qn, the pose really reached and its distance from the wanted one. Rows
 /// that are not reached are left out.

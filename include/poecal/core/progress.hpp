@@ -10,7 +10,8 @@
 namespace poecal {
 
 /// Told how far a job is: its name, and how many of its pieces are done. A job ends with done == total, or with total == 0 where it failed.
-/// Calls may come from any thread, but never two at a time.
+/// Calls may come from any thread, but never two at a time. What it throws stops the job, and the call that the job belongs to throws it.
+/// Of what it throws where total == 0 nothing is heard: the job has failed already, and its caller is to hear why.
 using ProgressFunction = std::function<void(const std::string& label, std::size_t done, std::size_t total)>;
 
 /// Hears what a long job has to say. The functions of this class do nothing; override what is of interest.
@@ -35,6 +36,7 @@ class Progress {
  public:
   /// @param function  may be empty.
   Progress(ProgressFunction function, std::string label, std::size_t total);
+  /// Where pieces are left, the job has failed: tells (label, 0, 0), whatever that throws.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -42,6 +44,8 @@ class Progress {
   void show();
   /// One more piece is done. May be called from any thread.
   void advance();
+  /// The pieces that are left were not needed.
+  void finish();
 
  private:
   ProgressFunction function_;

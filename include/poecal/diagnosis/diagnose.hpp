@@ -159,8 +159,13 @@ Diagnosis diagnose(const Identification& identification, const Measurements& mea
 
 /// diagnosis.json.
 std::string diagnosisJson(const Diagnosis& diagnosis, const std::vector<Sample>& samples);
-/// One sentence each for where, which and how far, what to do, and what could not be tested.
-std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>& samples);
+/// How much a text says.
+enum class TextLength {
+  kWhole,
+  kScreen  ///< short lists; a diagnosis with one finding or two, and the steps before it, then fit 40 lines of 100 columns
+};
+/// One sentence each for where, which and how far, what to do, and what could not be tested. What is left out stands in diagnosis.json.
+std::string diagnosisText(const Diagnosis& diagnosis, const std::vector<Sample>& samples, TextLength length = TextLength::kWhole);
 /// A probability in words, "99.1 % sure": never that there is no doubt.
 std::string surenessText(double probability);
 /// Why an effect was or was not chosen, at each of its places. @throws InvalidArgument for a name that is no effect's.

@@ -19,6 +19,7 @@
 #include <Eigen/Core>
 
 #include "poecal/cell/measurements.hpp"
+#include "poecal/core/progress.hpp"
 #include "poecal/identification/model.hpp"
 
 namespace poecal {
@@ -75,13 +76,14 @@ struct PlanOptions {
   std::uint64_t seed = 1;  ///< of the candidates
   /// Half the thickness of every link, a straight line from joint to joint [m]; 0: 4 % of the arm's length.
   double link_radius = 0.0;
-  double camera_radius = 0.1;   ///< of the camera's body (or the target's, eye in hand) [m]
-  std::optional<double> floor;  ///< height of the floor above the origin of base, against gravity [m]; unset: no floor
-  std::string detect;           ///< "EFFECT@PLACE" or "EFFECT@PLACE/DRIVER"; kDetect
-  double detect_size = 0.0;     ///< of each of its sizes, in its unit
-  double odds = 20.0;           ///< kSeparate: enough
-  int jobs = 1;                 ///< candidates weighed at a time (0: one per core); the result does not depend on it
-  void validate() const;        ///< @throws InvalidArgument with the field's name and value.
+  double camera_radius = 0.1;      ///< of the camera's body (or the target's, eye in hand) [m]
+  std::optional<double> floor;     ///< height of the floor above the origin of base, against gravity [m]; unset: no floor
+  std::string detect;              ///< "EFFECT@PLACE" or "EFFECT@PLACE/DRIVER"; kDetect
+  double detect_size = 0.0;        ///< of each of its sizes, in its unit
+  double odds = 20.0;              ///< kSeparate: enough
+  int jobs = 1;                    ///< candidates weighed at a time (0: one per core); the result does not depend on it
+  ProgressFunction progress = {};  ///< told of every step; may be empty
+  void validate() const;           ///< @throws InvalidArgument with the field's name and value.
 };
 
 /// Root mean square over 200 random postures within the joint limits, in view or not, of the length of the error of the tool, 1 sigma: of

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "poecal/calibration/run_capture.hpp"
+#include "poecal/core/progress.hpp"
 
 namespace poecal {
 
@@ -28,19 +29,23 @@ std::string reportJson(const CalibrationRun& run, const std::string& pictures);
 /// @param pictures  folder with the pictures; those that are not there are left out, which the page says.
 /// @param jobs      pictures read at a time; 0: one per core. The result does not depend on it.
 /// @param kept      a file in which the small pictures are kept, so that those that did not change are not made again; empty: none.
+/// @param progress  told of each picture; may be empty.
 /// @throws InvalidArgument as requireReport().
-std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept = {});
+std::string reportHtml(const std::string& json, const std::filesystem::path& pictures, int jobs, const std::filesystem::path& kept = {},
+                       const ProgressFunction& progress = {});
 
 /// Writes OUT/report.json. Nothing where the arm was not identified: such results have no report.
 /// @param capture  its folder; empty for poses of an instrument.
 void writeReportData(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out);
 
 /// Writes OUT/report.json and, where this build can, OUT/report.html.
+/// @param progress  as reportHtml().
 /// @returns why there is no page, one clause; empty where there is one.
-std::string writeReport(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs);
+std::string writeReport(const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs,
+                        const ProgressFunction& progress = {});
 
-/// Writes OUT/report.html from OUT/report.json.
+/// Writes OUT/report.html from OUT/report.json. @param progress  as reportHtml().
 /// @throws FileError: there is no report.json, or it is none. InvalidArgument as requireReport().
-void renderReport(const std::filesystem::path& out, int jobs);
+void renderReport(const std::filesystem::path& out, int jobs, const ProgressFunction& progress = {});
 
 }  // namespace poecal

@@ -12,7 +12,7 @@ namespace poecal {
 
 struct SimulateOptions {
   int jobs = 0;                    ///< pictures drawn at a time; 0: one per core
-  ProgressFunction progress = {};  ///< told of each picture; may be empty
+  ProgressFunction progress = {};  ///< told of each pose and each picture; may be empty
 };
 
 /// Joint readings of a scene: read from its file, or drawn uniformly within the limits (revolute joints without limits: +-pi; limits are
@@ -22,7 +22,8 @@ struct SimulateOptions {
 /// before); and, where an effect is driven by them, dq1..dqn or temperature.
 /// @throws InsufficientData where 1000 draws for a pose find none in view, with what to change. FileError: a prismatic joint without
 /// limits.
-SampleTable drawSamples(const Scene& scene);
+/// @param options  their progress is told of each pose that is drawn.
+SampleTable drawSamples(const Scene& scene, const SimulateOptions& options = {});
 
 /// Exact corners of a scene, one entry per sample, of tags (or the board) that face the camera within 80 degrees and are in the picture
 /// whole, with the scene's effects. Tags that other tags hide are not left out.
