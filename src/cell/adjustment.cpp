@@ -77,6 +77,7 @@ class Adjuster {
     std::vector<std::vector<double>> squares = squaredNorms(state_);
     scale_ = options_.scale > 0.0 ? options_.scale : robustScale(squares);
     Adjustment result;
+    result.status = layout_.total == 0 ? AdjustmentStatus::kConverged : AdjustmentStatus::kIterationLimit;
     double damping = 1e-10;
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
       const double previous_scale = scale_, previous_tolerance = tolerance_;
@@ -95,7 +96,6 @@ class Adjuster {
         break;
       }
     }
-    if (layout_.total == 0) result.status = AdjustmentStatus::kConverged;
     finish(squares, result);
     return result;
   }

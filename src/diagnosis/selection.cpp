@@ -35,7 +35,7 @@ class Selector {
         selection_.base_candidates = selection_.candidates;
         selection_.base_ranking = ranking;
       }
-      if (selection_.findings.size() < limits_.most && accept(ranking)) {
+      if ((selection_.findings.size() < limits_.most && accept(ranking)) || acceptTwo(ranking)) {
         settle();
         if (isNew()) continue;
       }
@@ -62,14 +62,9 @@ class Selector {
     if (ranking.answers.empty()) return false;
     const std::size_t chosen = chosenAnswer(ranking);
     const RankedAnswer& answer = ranking.answers[chosen];
-    const bool first = selection_.findings.empty();
-    double needed = first ? kSearch.anything : kSearch.beside + kSearch.relative_misfit * explained();
-    // Beside a curve of unknown shape another finding is mostly what the curve did not follow.
-    const bool unknown_before =
-        std::any_of(selection_.findings.begin(), selection_.findings.end(), [](const FoundEffect& found) { return found.isUnknown(); });
-    if (unknown_before) needed += kSearch.beside_unknown + kSearch.unknown_misfit * explained() + besideItsCurve(answer);
     // Explanations that are hard to tell apart speak together for there being something.
-    if (!((first ? ranking.log_total : answer.log_weight) > needed)) return false;
+    const bool first = selection_.findings.empty();
+    if (!(first ? ranking.log_total > kSearch.anything : answer.log_weight > neededBeside(answer))) return false;
     if (answer.scatter && takeStructureBeside(search_, ranking, answer)) return true;
     const std::size_t others = selection_.findings.size();
     takeUp(search_, ranking, chosen);
@@ -82,6 +77,42 @@ class Selector {
     }
     newest_is_weighed_ = !grown && selection_.findings.size() == others + 1 && isAnswer(answer, selection_.findings.back());
     return true;
+  }
+
+  /// Evidence that an answer needs beside the findings.
+  double neededBeside(const RankedAnswer& answer) const {
+    const double needed = kSearch.beside + kSearch.relative_misfit * explained();
+    // Beside a curve of unknown shape another finding is mostly what the curve did not follow.
+    const bool unknown_before =
+        std::any_of(selection_.findings.begin(), selection_.findings.end(), [](const FoundEffect& found) { return found.isUnknown(); });
+    return unknown_before ? needed + kSearch.beside_unknown + kSearch.unknown_misfit * explained() + besideItsCurve(answer) : needed;
+  }
+
+  /// Two effects of which each takes the other for the arm's own unrest: neither is enough alone, and each is with the other in.
+  bool acceptTwo(const Ranking& ranking) {
+    if (selection_.findings.empty() || ranking.answers.empty() || selection_.findings.size() + 2 > limits_.most) return false;
+    const std::size_t one = chosenAnswer(ranking);
+    const auto isNamed = [](const RankedAnswer& answer) { return answer.candidate && answer.candidate->known(); };
+    if (!isNamed(ranking.answers[one]) || !(ranking.answers[one].log_weight > kSearch.needed)) return false;
+    const std::vector<FoundEffect> before = selection_.findings;
+    search_.add(ranking, one);
+    const Ranking beside = search_.ranked();
+    const std::size_t other = beside.answers.empty() ? 0 : chosenAnswer(beside);
+    if (!beside.answers.empty() && isNamed(beside.answers[other]) &&
+        beside.answers[other].log_weight > neededBeside(beside.answers[other])) {
+      search_.add(beside, other);
+      const FoundEffect& first = selection_.findings[before.size()];
+      const Linearised others =
+          refit(selection_.measured, selection_.base, search_.accepted(before.size()), search_.scatter(), linear_.noise, {}, true);
+      const Ranking again = search_.ranked(others, before.size());
+      if (std::any_of(again.answers.begin(), again.answers.end(),
+                      [&](const RankedAnswer& answer) { return isAnswer(answer, first) && answer.log_weight > neededBeside(answer); })) {
+        return true;
+      }
+    }
+    selection_.findings = before;
+    search_.refitAll();
+    return false;
   }
 
   /// @return whether some structure is a named effect and a rest

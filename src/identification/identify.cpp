@@ -13,6 +13,7 @@
 #include "poecal/core/parallel.hpp"
 #include "poecal/core/statistics.hpp"
 #include "registration/consensus.hpp"
+#include "registration/plausibility.hpp"
 
 namespace poecal {
 namespace {
@@ -118,6 +119,7 @@ class Identifier {
     registered_ = cell_;
     if (options_.registered) {
       closed_form_ = registered_.registration = Registration{};
+      requireRegistered(registered_, observations_);
     } else if (corners_) {
       RegistrationResult registration =
           given_registration_ != nullptr ? *given_registration_

@@ -180,10 +180,13 @@ void order(const PlanningCell& cell, const std::vector<Sample>& chosen, Plan& pl
 }  // namespace
 
 void PlanOptions::validate() const {
-  constexpr double kLargestSize = 1e6;  // of no effect on any machine, in any of their units
+  constexpr double kLargestSize = 1e6;     // of no effect on any machine, in any of their units
+  constexpr int kMostCandidates = 50'000;  // each keeps its rows: some gigabytes
   if (count < 1) throw InvalidArgument(fmt::format("count is {}, expected at least 1", count));
   if (candidates < count)
     throw InvalidArgument(fmt::format("candidates is {}, expected at least the {} poses of the plan", candidates, count));
+  if (candidates > kMostCandidates)
+    throw InvalidArgument(fmt::format("candidates is {}, expected at most {}", candidates, kMostCandidates));
   if (!(link_radius >= 0.0)) throw InvalidArgument(fmt::format("link_radius is {}, expected 0 or more", link_radius));
   if (!(camera_radius >= 0.0)) throw InvalidArgument(fmt::format("camera_radius is {}, expected 0 or more", camera_radius));
   if (!std::isfinite(link_radius) || !std::isfinite(camera_radius)) throw InvalidArgument("link_radius and camera_radius must be finite");

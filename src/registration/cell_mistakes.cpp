@@ -123,7 +123,7 @@ std::vector<Mistake> unitMistakes(const Problem& problem) {
   return mistakes;
 }
 
-std::vector<Mistake> lensMistakes(const Problem& problem) {
+std::vector<Mistake> resolutionMistakes(const Problem& problem) {
   std::vector<Mistake> mistakes;
   if (!problem.cell.camera) return mistakes;
   const Camera stated = *problem.cell.camera;
@@ -139,6 +139,12 @@ std::vector<Mistake> lensMistakes(const Problem& problem) {
                         camera.cy = factor * (camera.cy + 0.5) - 0.5;
                       }));
   }
+  return mistakes;
+}
+
+std::vector<Mistake> lensMistakes(const Problem& problem) {
+  std::vector<Mistake> mistakes = resolutionMistakes(problem);
+  if (!problem.cell.camera) return mistakes;
   mistakes.push_back(
       {"the lens is not that of these pictures (cut out, or of another resolution?)", InputPart::kCamera, [](Problem& changed) {
          const auto found = solve(changed, 1);
@@ -152,6 +158,33 @@ std::vector<Mistake> lensMistakes(const Problem& problem) {
          changed.cell.camera = adjust(found->fit.cell, changed.observations, options).cell.camera;
          renewPictures(changed);
        }});
+  return mistakes;
+}
+
+std::vector<Mistake> pictureMistakes(const Problem& problem) {
+  std::vector<Mistake> mistakes;
+  if (!problem.cell.camera) return mistakes;
+  const Eigen::Vector2d last(problem.cell.camera->width - 1, problem.cell.camera->height - 1);
+  const auto add = [&](const char* text, const std::function<void(CornerMeasurement&)>& right) {
+    mistakes.push_back({text, InputPart::kDetections, [right](Problem& changed) {
+                          for (Observation& observation : changed.observations) {
+                            for (CornerMeasurement& corner : observation.corners) right(corner);
+                          }
+                          renewPictures(changed);
+                        }});
+  };
+  add("the pictures look turned by 180 degrees", [last](CornerMeasurement& corner) { corner.px = last - corner.px; });
+  add("the pictures look mirrored from left to right", [last](CornerMeasurement& corner) { corner.px.x() = last.x() - corner.px.x(); });
+  add("the pictures look upside down (mirrored from top to bottom)",
+      [last](CornerMeasurement& corner) { corner.px.y() = last.y() - corner.px.y(); });
+  // Of a board without numbers either end is the first.
+  if (problem.observations.front().corners.empty() || problem.observations.front().corners.front().id.tag >= 0) return mistakes;
+  Eigen::AlignedBox3d board;
+  for (const Observation& observation : problem.observations) {
+    for (const CornerMeasurement& corner : observation.corners) board.extend(corner.p_target);
+  }
+  add("the board looks read from its opposite corner",
+      [ends = Eigen::Vector3d(board.min() + board.max())](CornerMeasurement& corner) { corner.p_target = ends - corner.p_target; });
   return mistakes;
 }
 

@@ -28,14 +28,21 @@ inline std::string asLikely(const std::string& other) { return other.empty() ? "
 std::vector<Mistake> jointMistakes(const Problem& problem);
 /// Of poses, those of the flange where there is no arm, or those of an instrument: units, quaternions, Euler angles, inverses.
 std::vector<Mistake> poseMistakes(const Problem& problem);
+/// Poses of the flange that are inverted, of some rows beside others: a whole capture of them is one of the other setup.
+std::vector<Mistake> inversions(const Problem& problem);
 /// The other setup; for pictures only.
 std::vector<Mistake> setupMistakes(const Problem& problem);
 /// Order of the rows as a whole: turned round, or by name as text where the other is by number.
 std::vector<Mistake> orderMistakes(const Problem& problem, const std::vector<Observation>& all);
 /// Sizes in other units: target, robot.
 std::vector<Mistake> unitMistakes(const Problem& problem);
-/// The camera's figures are those of another resolution, or the pictures are cut out.
+/// The corners are those of pictures of another resolution than the camera's figures.
+std::vector<Mistake> resolutionMistakes(const Problem& problem);
+/// Likewise, or the pictures are cut out.
 std::vector<Mistake> lensMistakes(const Problem& problem);
+/// Pictures that are turned or mirrored, a board that is read from its other end: of some rows beside others, since a whole capture that is
+/// turned is one of a camera or a board that is.
+std::vector<Mistake> pictureMistakes(const Problem& problem);
 /// Corners of every tag in another order. Only where the corners do not even fit with poses of their own.
 std::vector<Mistake> cornerMistakes(const Problem& problem);
 /// Tags of a board numbered in another order, or closer or farther apart. Likewise.

@@ -9,18 +9,6 @@
 namespace poecal {
 namespace {
 
-// A registration has twelve numbers and a picture gives six: three times as many as it takes.
-constexpr std::size_t kFewest = 6;
-
-Problem rowsOf(const Problem& few, std::size_t from, std::size_t to) {
-  Problem some;
-  some.cell = few.cell;
-  for (std::size_t k = from; k < to; ++k) {
-    some.add(few.observations[few.samples[k].observation], few.samples[k]);
-  }
-  return some;
-}
-
 std::vector<double> misfitsIn(const Problem& few, const Registration& registration) {
   const Misfit misfit = misfitIn(few.cell, few.observations);
   std::vector<double> misfits;
@@ -32,7 +20,7 @@ std::vector<double> misfitsIn(const Problem& few, const Registration& registrati
 
 std::optional<MovedOnce> findMove(const Problem& few) {
   const std::size_t rows = few.samples.size(), third = rows / 3;
-  if (third < kFewest) return std::nullopt;
+  if (third < kFewestRows) return std::nullopt;
   const auto before = solve(rowsOf(few, 0, third), 2), after = solve(rowsOf(few, rows - third, rows), 2);
   if (!before || !after) return std::nullopt;
   const std::vector<double> of_before = misfitsIn(few, before->fit.cell.registration),

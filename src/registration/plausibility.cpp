@@ -11,12 +11,14 @@
 #include <fmt/format.h>
 
 #include "poecal/core/statistics.hpp"
+#include "poecal/geometry/se3.hpp"
 #include "poecal/registration/implausible.hpp"
 #include "registration/mistakes.hpp"
 #include "registration/moved_once.hpp"
 #include "registration/row_order.hpp"
 #include "registration/stuck_readings.hpp"
 #include "registration/target_size.hpp"
+#include "registration/wrong_rows.hpp"
 
 namespace poecal {
 
@@ -79,15 +81,18 @@ struct Suspicion {
 
 const char* misfitUnit(const Observation& observation) { return observation.pose ? "of their deviations" : "px"; }
 
-/// "0.11 px", or of poses "0.05 mm".
+/// "0.11 px", or of poses "0.05 mm and 0.2 mrad".
 std::string leftText(const Problem& problem, const Registration& registration, double misfit) {
   if (!problem.observations.front().pose) return std::isfinite(misfit) ? fmt::format("{:.4g} px", misfit) : "no pixel";
-  std::vector<double> ways;
+  std::vector<double> ways, turns;
   for (const HypothesisSample& sample : problem.samples) {
     const Eigen::Isometry3d modelled = registration.T_camera_near * sample.T_near_far * registration.T_far_target;
-    ways.push_back((problem.observations[sample.observation].pose->T_camera_target.translation() - modelled.translation()).norm());
+    const Eigen::Isometry3d& measured = problem.observations[sample.observation].pose->T_camera_target;
+    ways.push_back((measured.translation() - modelled.translation()).norm());
+    turns.push_back(rotationAngle(modelled.linear().transpose() * measured.linear()));
   }
-  return fmt::format("{:.4g} mm", 1e3 * median(ways));
+  if (problem.observations.front().pose->position_only) return fmt::format("{:.4g} mm", 1e3 * median(ways));
+  return fmt::format("{:.4g} mm and {:.3g} mrad", 1e3 * median(ways), 1e3 * median(turns));
 }
 
 /// @param misfit  of the registration as it stands.
@@ -101,11 +106,6 @@ std::vector<Mistake> mistakesOf(const Problem& few, const std::vector<Observatio
     std::move(kind.begin(), kind.end(), std::back_inserter(all));
   }
   return all;
-}
-
-std::size_t cornerCount(const std::vector<Observation>& observations) {
-  return std::accumulate(observations.begin(), observations.end(), std::size_t{0},
-                         [](std::size_t sum, const Observation& observation) { return sum + observation.corners.size(); });
 }
 
 Suspicion suspicionOf(const std::string& text, std::optional<std::size_t> sample, double misfit, const Problem& few) {
@@ -141,7 +141,7 @@ class MistakeSearch {
     for (std::size_t k = 0; k < mistakes.size(); ++k) {
       Problem altered = few_;
       mistakes[k].undo(altered);
-      if (!keepsMost(altered)) continue;
+      if (!keepsMost(altered, few_)) continue;
       order.emplace_back(quickMisfit(altered), k);
     }
     std::stable_sort(order.begin(), order.end());
@@ -187,12 +187,6 @@ class MistakeSearch {
   const std::optional<Suspicion>& best() const { return best_; }
 
  private:
-  /// An explanation of few pictures, or of few of their corners, explains nothing.
-  bool keepsMost(const Problem& altered) const {
-    return altered.observations.size() >= std::max<std::size_t>(4, few_.observations.size() * 3 / 4) &&
-           4 * cornerCount(altered.observations) >= 3 * cornerCount(few_.observations);
-  }
-
   bool explains(double misfit) const { return std::isfinite(misfit) && misfit <= kMends * misfit_ && misfit <= kMendedOfChance * chance_; }
 
   void consider(const Problem& altered, const std::string& text, InputPart part) {
@@ -224,17 +218,24 @@ class MistakeSearch {
   std::optional<Suspicion> best_;
 };
 
-/// Share of the samples far beyond the median.
-double shareBeside(const Consensus& found, const std::vector<HypothesisSample>& samples, const Misfit& misfit) {
-  double beside = 0.0;
-  for (const HypothesisSample& sample : samples) beside += !(misfit(found.fit.cell.registration, sample) <= kBeside * found.misfit);
-  return beside / static_cast<double>(samples.size());
+/// Number of samples far beyond the median.
+std::size_t countBeside(const Consensus& found, const std::vector<HypothesisSample>& samples, const Misfit& misfit) {
+  return static_cast<std::size_t>(std::count_if(samples.begin(), samples.end(), [&](const HypothesisSample& sample) {
+    return !(misfit(found.fit.cell.registration, sample) <= kBeside * found.misfit);
+  }));
 }
 
 [[noreturn]] void refuse(const Suspicion& suspicion, const std::string& stated) {
   throw ImplausibleCapture(
       fmt::format("{} (put right, it fits to {} instead of {}{})", suspicion.text, suspicion.left, stated, asLikely(suspicion.other)),
       suspicion.part, suspicion.sample);
+}
+
+[[noreturn]] void refuse(const WrongRows& wrong, const std::vector<Observation>& observations) {
+  const char* unit = misfitUnit(observations.front());
+  const std::string before = std::isfinite(wrong.before) ? fmt::format("{:.3g} {}", wrong.before, unit) : "no pixel";
+  throw ImplausibleCapture(fmt::format("{} (put right, these rows leave {:.3g} {} instead of {})", wrong.text, wrong.misfit, unit, before),
+                           InputPart::kSamples, wrong.sample);
 }
 
 [[noreturn]] void refuse(const StuckReadings& stuck, const std::vector<Observation>& observations) {
@@ -255,9 +256,13 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
                       const Consensus& found) {
   const double floor = kNothing * freeMisfit(samples);
   if (const std::optional<StuckReadings> stuck = findStuckReadings(cell, observations, samples)) refuse(*stuck, observations);
-  const bool beside = shareBeside(found, samples, misfitIn(cell, observations)) > kManyBeside;
-  if (!beside && found.misfit <= floor) return;
+  const std::size_t rows_beside = countBeside(found, samples, misfitIn(cell, observations));
+  const bool beside = static_cast<double>(rows_beside) > kManyBeside * static_cast<double>(samples.size());
+  if (rows_beside == 0 && found.misfit <= floor) return;
   const Problem few = thinned(cell, observations, samples, kSearchedRows);
+  if (const std::optional<WrongRows> wrong = findWrongRows(cell, observations, samples, found.fit.cell.registration, few))
+    refuse(*wrong, observations);
+  if (!beside && found.misfit <= floor) return;
   // Fewer poses fit any pictures.
   if (few.observations.size() < 4) return;
   double chance = chanceMisfit(few);
@@ -275,6 +280,8 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
     return;
   }
   if (const std::string copied = copiedColumns(observations); !copied.empty()) throw ImplausibleCapture(copied, InputPart::kSamples);
+  // What the arm could take up in its axes too, if half of the rows were left out.
+  if (mispaired && mispaired->misfit <= std::min(kSuspicious * chance, kMends * found.misfit)) refuse(suspicionOf(*mispaired, few), stated);
   MistakeSearch search(few, found.fit.cell.registration, found.misfit, chance);
   if (cell.arm && std::isfinite(found.misfit) && search.armExplains(std::max(floor, 0.25 * kSuspicious * chance))) return;
   if (mispaired) search.considerRows(*mispaired);
@@ -291,6 +298,24 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
       fmt::format("no registration explains most of the pictures (the best leaves {}, as rows that have nothing to do "
                   "with them would): expected readings, robot and pictures that belong together",
                   stated));
+}
+
+void requireRegistered(const Cell& cell, const std::vector<Observation>& observations) {
+  const std::vector<HypothesisSample> samples = hypothesisSamples(cell, observations);
+  Consensus stated;
+  stated.fit.cell = cell;
+  stated.misfit = medianMisfit(cell.registration, samples, misfitIn(cell, observations));
+  const Problem few = thinned(cell, observations, samples, kSearchedRows);
+  const std::optional<Consensus> anew = solve(few, 2);
+  const double chance = chanceMisfit(few);
+  if (anew && stated.misfit >= kSuspicious * chance && anew->misfit <= kMends * stated.misfit && anew->misfit <= kMendedOfChance * chance) {
+    throw ImplausibleCapture(
+        fmt::format("the poses are not those of the flange in base, as registered poses are: registered anew they "
+                    "fit to {} instead of {}",
+                    leftText(few, anew->fit.cell.registration, anew->misfit), leftText(few, cell.registration, stated.misfit)),
+        InputPart::kSamples);
+  }
+  requirePlausible(cell, observations, samples, stated);
 }
 
 }  // namespace poecal

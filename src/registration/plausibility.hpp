@@ -22,4 +22,8 @@ std::string sizeText(double factor, double deviation);
 void requirePlausible(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
                       const Consensus& found);
 
+/// Likewise of poses that are said to be those of the flange in base: with the cell's registration as it stands.
+/// @throws ImplausibleInput as requirePlausible(), and where another registration explains them far better.
+void requireRegistered(const Cell& cell, const std::vector<Observation>& observations);
+
 }  // namespace poecal

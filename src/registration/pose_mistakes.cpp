@@ -128,6 +128,12 @@ std::vector<Mistake> poseMistakes(const Problem& problem) {
   return mistakes;
 }
 
+std::vector<Mistake> inversions(const Problem& problem) {
+  if (problem.cell.arm) return {};
+  return {mistakeOfPoses("the poses look inverted (base in flange), expected flange in base",
+                         [](const Eigen::Isometry3d& T) { return T.inverse(); })};
+}
+
 std::vector<Mistake> setupMistakes(const Problem& problem) {
   if (!problem.cell.camera) return {};
   const Setup stated = problem.cell.registration.setup;

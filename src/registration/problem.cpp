@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/random.hpp"
@@ -32,6 +33,11 @@ std::vector<CornerMeasurement> spreadCorners(const std::vector<CornerMeasurement
     chosen.push_back(corners[farthest]);
   }
   return chosen;
+}
+
+std::size_t cornerCount(const Problem& problem) {
+  return std::accumulate(problem.observations.begin(), problem.observations.end(), std::size_t{0},
+                         [](std::size_t sum, const Observation& observation) { return sum + observation.corners.size(); });
 }
 
 bool usable(const Problem& problem) { return problem.observations.size() >= 3; }
@@ -65,6 +71,18 @@ Problem thinned(const Cell& cell, const std::vector<Observation>& observations, 
     problem.add(std::move(observation), samples[k]);
   }
   return problem;
+}
+
+bool keepsMost(const Problem& altered, const Problem& whole) {
+  return altered.observations.size() >= std::max<std::size_t>(4, whole.observations.size() * 3 / 4) &&
+         4 * cornerCount(altered) >= 3 * cornerCount(whole);
+}
+
+Problem rowsOf(const Problem& problem, std::size_t from, std::size_t to) {
+  Problem some;
+  some.cell = problem.cell;
+  for (std::size_t k = from; k < to; ++k) some.add(problem.observations[problem.samples[k].observation], problem.samples[k]);
+  return some;
 }
 
 void renewPoses(Problem& problem) {

@@ -11,6 +11,9 @@ namespace poecal {
 // A row that leaves more than this many times the median stands beside a registration.
 constexpr double kBeside = 5.0;
 
+// A registration has twelve numbers and a picture gives six: three times as many as it takes.
+constexpr std::size_t kFewestRows = 6;
+
 struct Problem {
   Cell cell;
   std::vector<Observation> observations;
@@ -27,6 +30,12 @@ constexpr std::size_t kSearchedRows = 40;
 /// corners far from each other.
 Problem thinned(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
                 std::size_t rows);
+
+/// Whether most rows and most of their corners are left in a problem that was altered: an explanation of few explains nothing.
+bool keepsMost(const Problem& altered, const Problem& whole);
+
+/// The rows [from, to).
+Problem rowsOf(const Problem& problem, std::size_t from, std::size_t to);
 
 /// The samples' T_near_far again, after the cell's arm, its setup or the readings were altered.
 void renewPoses(Problem& problem);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "poecal/core/statistics.hpp"
+#include "registration/mistakes.hpp"
 
 namespace poecal {
 namespace {
@@ -173,14 +174,10 @@ std::optional<MispairedRows> findAlternation(const Cell& cell, const std::vector
   return best;
 }
 
-}  // namespace
-
-std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vector<Observation>& observations,
-                                               const std::vector<HypothesisSample>& samples, const Problem& few) {
-  ReadingsOfSamples readings;
-  for (const Observation& observation : observations) readings[observation.sample] = &observation;
-  const std::optional<Consensus> best = bestOfShifts(few, readings);
-  if (!best) return findAlternation(cell, observations, samples, few, readings);
+/// Which row each picture belongs to in one registration. @param misfit_of_right  what it leaves in rows that it was found from.
+std::optional<MispairedRows> follow(const Cell& cell, const std::vector<Observation>& observations,
+                                    const std::vector<HypothesisSample>& samples, const ReadingsOfSamples& readings,
+                                    const Registration& registration, double misfit_of_right) {
   const Misfit misfit = misfitIn(cell, observations);
   const std::size_t stride = (observations.size() + kFollowed - 1) / kFollowed;
   ShiftMisfits misfits;
@@ -195,10 +192,10 @@ std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vect
       if (!other) continue;
       HypothesisSample sample = samples[k];
       sample.T_near_far = nearFar(cell, *other);
-      value = misfit(best->fit.cell.registration, sample);
+      value = misfit(registration, sample);
     }
   }
-  const double limit = kFits * best->misfit + 1e-9;
+  const double limit = kFits * misfit_of_right + 1e-9;
   const std::vector<int> shifts = followShifts(misfits, limit);
   std::vector<double> left;
   double as_they_stand = 0.0, with_shifts = 0.0, judged = 0.0;
@@ -213,12 +210,35 @@ std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vect
   const auto wrong = std::find_if(shifts.begin(), shifts.end(), [](int s) { return s != 0; });
   if (wrong == shifts.end() || judged < 6.0 || with_shifts < kMostPictures * judged ||
       with_shifts - as_they_stand < std::max(3.0, 0.15 * judged)) {
-    return findAlternation(cell, observations, samples, few, readings);
+    return std::nullopt;
   }
   const auto first = static_cast<std::size_t>(wrong - shifts.begin());
   MispairedRows rows{describe(shifts, first), std::nullopt, median(left)};
   if (first > 0) rows.sample = observations[followed[first]].sample;
   return rows;
+}
+
+}  // namespace
+
+std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vector<Observation>& observations,
+                                               const std::vector<HypothesisSample>& samples, const Problem& few) {
+  ReadingsOfSamples readings;
+  for (const Observation& observation : observations) readings[observation.sample] = &observation;
+  std::vector<Consensus> judges;
+  if (std::optional<Consensus> best = bestOfShifts(few, readings)) judges.push_back(std::move(*best));
+  // Where as many rows are shifted as are not, all of them together agree on nothing.
+  const std::size_t rows = few.samples.size(), third = rows / 3;
+  for (const std::size_t from : {std::size_t{0}, rows - third}) {
+    if (std::optional<Consensus> found = solve(rowsOf(few, from, from + third), 2); found && third >= kFewestRows) {
+      judges.push_back(std::move(*found));
+    }
+  }
+  std::optional<MispairedRows> best;
+  for (const Consensus& judge : judges) {
+    std::optional<MispairedRows> rows_found = follow(cell, observations, samples, readings, judge.fit.cell.registration, judge.misfit);
+    if (rows_found && (!best || rows_found->misfit < kClearlyBetter * best->misfit)) best = std::move(rows_found);
+  }
+  return best ? best : findAlternation(cell, observations, samples, few, readings);
 }
 
 }  // namespace poecal

@@ -154,6 +154,9 @@ TEST(Adjustment, TrueStartStaysAndDisplacedStartReturns) {
   EXPECT_EQ(fit.status, AdjustmentStatus::kConverged);
   EXPECT_THAT(fit.cell.registration.T_camera_near, test::PoseIsNear(truth.registration.T_camera_near, 1e-10));
   EXPECT_THAT(fit.cell.registration.T_far_target, test::PoseIsNear(truth.registration.T_far_target, 1e-10));
+  // Two centimetres and degrees are more than one step.
+  options.max_iterations = 1;
+  EXPECT_EQ(adjust(start, observations, options).status, AdjustmentStatus::kIterationLimit);
 }
 
 TEST(Adjustment, CovarianceIsThatOfTheErrorsAndScaleThatOfTheNoise) {

@@ -15,6 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::ThrowsMessage;
 
 PlanOptions few() {
   PlanOptions options;
@@ -147,6 +148,14 @@ TEST_F(PlanOfCobot, WrongQuestionsAreNamed) {
   EXPECT_THAT(messageOf("joint_coupling@joint:9"), HasSubstr("expected one of: joint:1/q2"));
   EXPECT_THAT(messageOf("joint_scatter@joint:1"), HasSubstr("random"));
   EXPECT_THAT(messageOf("rolling_shutter@camera.shutter"), HasSubstr("cannot be planned for: no dq1.. columns"));
+}
+
+// A thousand million candidates would fill any memory before the first is weighed.
+TEST_F(PlanOfCobot, CandidatesHaveABound) {
+  PlanOptions options = few();
+  options.candidates = 1'000'000'000;
+  EXPECT_THAT([&] { planPoses(known_->cell, options); },
+              ThrowsMessage<InvalidArgument>(HasSubstr("candidates is 1000000000, expected at most")));
 }
 
 TEST_F(PlanOfCobot, NothingInViewSaysWhatToChange) {
