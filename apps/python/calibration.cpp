@@ -19,8 +19,7 @@ CalibrationRun runTold(CalibrationRun (*run)(const Source&, const std::filesyste
                                              Listener&),
                        const Source& source, const std::filesystem::path& out, const CalibrateOptions& options, const ResultFiles& files,
                        Listener* listener) {
-  PlainListener plain;
-  return run(source, out, options, files, listener != nullptr ? *listener : plain);
+  return run(source, out, options, files, *GivenListener(listener));
 }
 
 void bindOptions(py::module_& module) {
@@ -153,8 +152,7 @@ void bindRuns(py::module_& module) {
   module.def(
       "loadCapture",
       [](const CaptureSource& source, const std::filesystem::path& out, int jobs, Listener* listener) {
-        PlainListener plain;
-        return loadCapture(source, out, jobs, listener != nullptr ? *listener : plain);
+        return loadCapture(source, out, jobs, *GivenListener(listener));
       },
       py::arg("source"), py::arg("out"), py::arg("jobs") = 1, py::arg("listener") = py::none(), Unlocked(),
       "Reads a capture; its intrinsics and corners are found where it names none.");
@@ -164,16 +162,14 @@ void bindRuns(py::module_& module) {
   module.def(
       "writeReport",
       [](const CalibrationRun& run, const std::filesystem::path& capture, const std::filesystem::path& out, int jobs, Listener* listener) {
-        PlainListener plain;
-        return writeReport(run, capture, out, jobs, (listener != nullptr ? *listener : plain).progressFunction());
+        return writeReport(run, capture, out, jobs, GivenListener(listener)->progressFunction());
       },
       py::arg("run"), py::arg("capture"), py::arg("out"), py::arg("jobs") = 1, py::arg("listener") = py::none(), Unlocked(),
       "Writes report.json and report.html; says why there is no page, or nothing.");
   module.def(
       "renderReport",
       [](const std::filesystem::path& out, int jobs, Listener* listener) {
-        PlainListener plain;
-        renderReport(out, jobs, (listener != nullptr ? *listener : plain).progressFunction());
+        renderReport(out, jobs, GivenListener(listener)->progressFunction());
       },
       py::arg("out"), py::arg("jobs") = 1, py::arg("listener") = py::none(), Unlocked(), "Writes report.html from report.json.");
   module.def("reportJson", reportJson, py::arg("run"), py::arg("pictures"),
@@ -223,10 +219,7 @@ void bindIntrinsics(py::module_& module) {
   module.def(
       "calibrateBoardFolder",
       [](const std::filesystem::path& folder, const IntrinsicsOptions& options, int jobs, const std::filesystem::path& camera_file,
-         Listener* listener) {
-        PlainListener plain;
-        return calibrateBoardFolder(folder, options, jobs, camera_file, listener != nullptr ? *listener : plain);
-      },
+         Listener* listener) { return calibrateBoardFolder(folder, options, jobs, camera_file, *GivenListener(listener)); },
       py::arg("folder"), py::arg("options"), py::arg("jobs"), py::arg("camera_file"), py::arg("listener") = py::none(), Unlocked(),
       "Finds the lens from the pictures of a board in a folder, and writes `camera_file`.");
 }

@@ -81,8 +81,7 @@ void bindEffects(py::module_& module) {
   module.def(
       "compensate",
       [](const RealArm& arm, const SampleTable& wanted, const Arm* start_arm, Listener* listener) {
-        PlainListener plain;
-        return compensate(arm, wanted, start_arm, (listener != nullptr ? *listener : plain).progressFunction());
+        return compensate(arm, wanted, start_arm, GivenListener(listener)->progressFunction());
       },
       py::arg("arm"), py::arg("wanted"), py::arg("start_arm") = py::none(), py::arg("listener") = py::none(), Unlocked(),
       "The joints to command so that the arm reaches T_base_flange of each row.");

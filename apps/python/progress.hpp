@@ -77,6 +77,18 @@ class PlainListener : public PythonListener {
   void warnings(const std::vector<std::string>& messages) override;
 };
 
+/// The listener that a caller gave, or a PlainListener where none was; it must outlive the call that it is handed to.
+class GivenListener {
+ public:
+  explicit GivenListener(Listener* given) : given_(given) {}
+  Listener& operator*() { return given_ != nullptr ? *given_ : plain_; }
+  Listener* operator->() { return &**this; }
+
+ private:
+  Listener* given_;
+  PlainListener plain_;
+};
+
 }  // namespace poecal::python
 
 namespace pybind11::detail {

@@ -102,9 +102,7 @@ class Selector {
         beside.answers[other].log_weight > neededBeside(beside.answers[other])) {
       search_.add(beside, other);
       const FoundEffect& first = selection_.findings[before.size()];
-      const Linearised others =
-          refit(selection_.measured, selection_.base, search_.accepted(before.size()), search_.scatter(), linear_.noise, {}, true);
-      const Ranking again = search_.ranked(others, before.size());
+      const Ranking again = search_.ranked(fitWithout(before.size()), before.size());
       if (std::any_of(again.answers.begin(), again.answers.end(),
                       [&](const RankedAnswer& answer) { return isAnswer(answer, first) && answer.log_weight > neededBeside(answer); })) {
         return true;
@@ -157,6 +155,11 @@ class Selector {
     return chosen;
   }
 
+  /// The fit with all findings but one.
+  Linearised fitWithout(std::size_t i) const {
+    return refit(selection_.measured, selection_.base, search_.accepted(i), search_.scatter(i), linear_.noise, {}, true);
+  }
+
   /// Each finding again beside all others: another answer that serves better takes its place, one that is not needed goes.
   void settle() {
     bool newest_is_weighed = std::exchange(newest_is_weighed_, false);
@@ -166,7 +169,7 @@ class Selector {
       bool changed = false;
       for (std::size_t i = 0; i < selection_.findings.size(); ++i) {
         if (newest_is_weighed && i + 1 == selection_.findings.size()) continue;
-        Linearised others = refit(selection_.measured, selection_.base, search_.accepted(i), search_.scatter(i), linear_.noise, {}, true);
+        const Linearised others = fitWithout(i);
         Ranking ranking = search_.ranked(others, i);
         const FoundEffect& now = selection_.findings[i];
         const std::size_t chosen = chosenFor(now, ranking);

@@ -221,7 +221,7 @@ bool isOwnShape(const Candidate& structure, const FoundEffect& named) {
 
 /// Evidence that has to speak for an effect as a part of some structure. A field over several joints may hold whatever one of them drives,
 /// and its few waves follow a smooth function only roughly.
-double neededBeside(const FoundEffect& structure, const FoundEffect& named) {
+double neededWithin(const FoundEffect& structure, const FoundEffect& named) {
   const Candidate& whole = structure.accepted->candidate;
   const bool holds = whole.curve->smooth && isOwnShape(whole, named);
   return holds ? kSearch.beside_unknown + kSearch.unknown_own_misfit * structure.chi_square : kSearch.structure;
@@ -339,7 +339,7 @@ bool nameWhatHasAName(SearchState& search, std::size_t number) {
     search.add(ranking, static_cast<std::size_t>(rest - ranking.answers.begin()));
     growStructure(search);
     const double weight = search.linear.logLikelihood() + shares + fittedShare(findings.back().accepted->candidate);
-    if (!isOwnShape(findings.back().accepted->candidate, names.back()) && weight > best_weight + neededBeside(whole, names.back())) {
+    if (!isOwnShape(findings.back().accepted->candidate, names.back()) && weight > best_weight + neededWithin(whole, names.back())) {
       best_weight = weight;
       best = findings;
     }

@@ -20,11 +20,10 @@ std::vector<double> misfitsIn(const Problem& few, const Registration& registrati
 
 std::optional<MovedOnce> findMove(const Problem& few) {
   const std::size_t rows = few.samples.size(), third = rows / 3;
-  if (third < kFewestRows) return std::nullopt;
-  const auto before = solve(rowsOf(few, 0, third), 2), after = solve(rowsOf(few, rows - third, rows), 2);
-  if (!before || !after) return std::nullopt;
-  const std::vector<double> of_before = misfitsIn(few, before->fit.cell.registration),
-                            of_after = misfitsIn(few, after->fit.cell.registration);
+  const std::vector<Consensus> ends = registeredEnds(few, third);
+  if (ends.size() < 2) return std::nullopt;
+  const std::vector<double> of_before = misfitsIn(few, ends.front().fit.cell.registration),
+                            of_after = misfitsIn(few, ends.back().fit.cell.registration);
   const auto leftBy = [&](std::size_t split) {
     std::vector<double> left(of_before.begin(), of_before.begin() + static_cast<std::ptrdiff_t>(split));
     left.insert(left.end(), of_after.begin() + static_cast<std::ptrdiff_t>(split), of_after.end());

@@ -307,13 +307,15 @@ void requireRegistered(const Cell& cell, const std::vector<Observation>& observa
   stated.misfit = medianMisfit(cell.registration, samples, misfitIn(cell, observations));
   const Problem few = thinned(cell, observations, samples, kSearchedRows);
   const std::optional<Consensus> anew = solve(few, 2);
-  const double chance = chanceMisfit(few);
-  if (anew && stated.misfit >= kSuspicious * chance && anew->misfit <= kMends * stated.misfit && anew->misfit <= kMendedOfChance * chance) {
-    throw ImplausibleCapture(
-        fmt::format("the poses are not those of the flange in base, as registered poses are: registered anew they "
-                    "fit to {} instead of {}",
-                    leftText(few, anew->fit.cell.registration, anew->misfit), leftText(few, cell.registration, stated.misfit)),
-        InputPart::kSamples);
+  if (anew && anew->misfit <= kMends * stated.misfit) {
+    const double chance = chanceMisfit(few);
+    if (stated.misfit >= kSuspicious * chance && anew->misfit <= kMendedOfChance * chance) {
+      throw ImplausibleCapture(
+          fmt::format("the poses are not those of the flange in base, as registered poses are: registered anew they "
+                      "fit to {} instead of {}",
+                      leftText(few, anew->fit.cell.registration, anew->misfit), leftText(few, cell.registration, stated.misfit)),
+          InputPart::kSamples);
+    }
   }
   requirePlausible(cell, observations, samples, stated);
 }

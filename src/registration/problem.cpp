@@ -40,6 +40,14 @@ std::size_t cornerCount(const Problem& problem) {
                          [](std::size_t sum, const Observation& observation) { return sum + observation.corners.size(); });
 }
 
+/// The rows [from, to).
+Problem rowsOf(const Problem& problem, std::size_t from, std::size_t to) {
+  Problem some;
+  some.cell = problem.cell;
+  for (std::size_t k = from; k < to; ++k) some.add(problem.observations[problem.samples[k].observation], problem.samples[k]);
+  return some;
+}
+
 bool usable(const Problem& problem) { return problem.observations.size() >= 3; }
 
 }  // namespace
@@ -78,13 +86,6 @@ bool keepsMost(const Problem& altered, const Problem& whole) {
          4 * cornerCount(altered) >= 3 * cornerCount(whole);
 }
 
-Problem rowsOf(const Problem& problem, std::size_t from, std::size_t to) {
-  Problem some;
-  some.cell = problem.cell;
-  for (std::size_t k = from; k < to; ++k) some.add(problem.observations[problem.samples[k].observation], problem.samples[k]);
-  return some;
-}
-
 void renewPoses(Problem& problem) {
   for (HypothesisSample& sample : problem.samples) sample.T_near_far = nearFar(problem.cell, problem.observations[sample.observation]);
 }
@@ -120,6 +121,15 @@ std::optional<Consensus> solve(const Problem& problem, std::size_t refined) {
   } catch (const InsufficientData&) {
     return std::nullopt;  // an altered capture may leave too little
   }
+}
+
+std::vector<Consensus> registeredEnds(const Problem& problem, std::size_t part) {
+  std::vector<Consensus> ends;
+  if (part < kFewestRows) return ends;
+  for (const std::size_t from : {std::size_t{0}, problem.samples.size() - part}) {
+    if (std::optional<Consensus> found = solve(rowsOf(problem, from, from + part), 2)) ends.push_back(std::move(*found));
+  }
+  return ends;
 }
 
 double quickMisfit(const Problem& problem) {

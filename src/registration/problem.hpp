@@ -34,9 +34,6 @@ Problem thinned(const Cell& cell, const std::vector<Observation>& observations, 
 /// Whether most rows and most of their corners are left in a problem that was altered: an explanation of few explains nothing.
 bool keepsMost(const Problem& altered, const Problem& whole);
 
-/// The rows [from, to).
-Problem rowsOf(const Problem& problem, std::size_t from, std::size_t to);
-
 /// The samples' T_near_far again, after the cell's arm, its setup or the readings were altered.
 void renewPoses(Problem& problem);
 /// Likewise everything that the pictures tell, after corners, target or camera were altered.
@@ -49,6 +46,9 @@ Problem agreeing(const Problem& problem, const Registration& registration);
 
 /// What a search over few hypotheses finds; nothing where there is none. `refined` as ConsensusOptions has it.
 std::optional<Consensus> solve(const Problem& problem, std::size_t refined);
+
+/// What the first and the last `part` rows register to, each by themselves; nothing of fewer than kFewestRows.
+std::vector<Consensus> registeredEnds(const Problem& problem, std::size_t part);
 
 /// The median misfit of the best hypothesis before any adjustment; infinity where there is none.
 double quickMisfit(const Problem& problem);

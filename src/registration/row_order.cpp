@@ -227,12 +227,7 @@ std::optional<MispairedRows> findMispairedRows(const Cell& cell, const std::vect
   std::vector<Consensus> judges;
   if (std::optional<Consensus> best = bestOfShifts(few, readings)) judges.push_back(std::move(*best));
   // Where as many rows are shifted as are not, all of them together agree on nothing.
-  const std::size_t rows = few.samples.size(), third = rows / 3;
-  for (const std::size_t from : {std::size_t{0}, rows - third}) {
-    if (std::optional<Consensus> found = solve(rowsOf(few, from, from + third), 2); found && third >= kFewestRows) {
-      judges.push_back(std::move(*found));
-    }
-  }
+  for (Consensus& end : registeredEnds(few, few.samples.size() / 3)) judges.push_back(std::move(end));
   std::optional<MispairedRows> best;
   for (const Consensus& judge : judges) {
     std::optional<MispairedRows> rows_found = follow(cell, observations, samples, readings, judge.fit.cell.registration, judge.misfit);

@@ -111,12 +111,7 @@ std::optional<WrongRows> findWrongRows(const Cell& cell, const std::vector<Obser
   // Few rows err by less than others do, many may hold wrong ones.
   const std::size_t rows = few.samples.size();
   for (const std::size_t part : {rows / 3, rows / 2}) {
-    if (part < kFewestRows) continue;
-    for (const std::size_t from : {std::size_t{0}, rows - part}) {
-      if (const std::optional<Consensus> found = solve(rowsOf(few, from, from + part), 2)) {
-        judges.emplace_back(found->fit.cell.registration, found->misfit);
-      }
-    }
+    for (const Consensus& end : registeredEnds(few, part)) judges.emplace_back(end.fit.cell.registration, end.misfit);
   }
   std::optional<WrongRows> best;
   for (const auto& [judge, of_right] : judges) {
