@@ -18,6 +18,7 @@
 
 #include "commands.hpp"
 #include "numbers.hpp"
+#include "poecal/core/choices.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/detection/decoder_log.hpp"
 #include "terminal.hpp"
@@ -48,22 +49,8 @@ constexpr Command kCommands[] = {
     {"completion", "what a shell completes, and the manual page", setUpCompletion},
 };
 
-/// Letters to change, add or take away from one word to the other (Levenshtein).
-std::size_t distanceOf(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({changed, row[j] + 1, row[j - 1] + 1}));
-    }
-  }
-  return row.back();
-}
-
 std::string nearestCommand(const std::string& word) {
-  const auto nearer = [&word](const Command& a, const Command& b) { return distanceOf(word, a.name) < distanceOf(word, b.name); };
+  const auto nearer = [&word](const Command& a, const Command& b) { return editDistance(word, a.name) < editDistance(word, b.name); };
   return std::min_element(std::begin(kCommands), std::end(kCommands), nearer)->name;
 }
 

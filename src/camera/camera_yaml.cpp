@@ -193,7 +193,7 @@ void judgePrincipalPoint(const YamlNode& numbers, Camera& camera) {
 }
 
 Camera readFrom(const std::filesystem::path& file, SizeKeys size) {
-  const YamlNode root = YamlNode::load(file);
+  const YamlNode root = YamlNode::load(file, YamlNode::Documents::kFirstOfMany);
   Camera camera = parseCamera(root, size);
   const YamlNode matrix = findCameraKeys(root).camera_matrix;
   judgePrincipalPoint(matrix.isMap() ? matrix["data"] : matrix, camera);

@@ -40,8 +40,7 @@ void requireOnePose(const std::filesystem::path& file, const std::vector<Sample>
   }
 }
 
-/// A joint without an end may stand at any turn, but no capture winds it up.
-void requireFewTurns(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
+void requireFewTurns(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm, bool from_zero) {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   constexpr double kMany = 5.0;  // 90 degrees, taken for radians, are 14 turns
   for (Eigen::Index k = 0; k < arm.jointCount(); ++k) {
@@ -49,7 +48,8 @@ void requireFewTurns(const std::filesystem::path& file, const std::vector<Sample
     if (joint.type != JointType::kRevolute || joint.limits) continue;
     const auto [low, high] =
         std::minmax_element(samples.begin(), samples.end(), [k](const Sample& a, const Sample& b) { return a.q(k) < b.q(k); });
-    const double turns = (high->q(k) - low->q(k)) / kTurn;
+    const double zero = from_zero ? 0.0 : low->q(k);
+    const double turns = (std::max(high->q(k), zero) - std::min(low->q(k), zero)) / kTurn;
     if (turns <= kMany) continue;
     const Sample& extreme = std::abs(high->q(k)) >= std::abs(low->q(k)) ? *high : *low;
     throw FileError(file, extreme.line,
@@ -115,9 +115,15 @@ double distanceOfRows(const Sample& a, const Sample& b) {
 
 void checkRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {
   if (samples.empty()) return;
-  if (arm != nullptr && samples.front().q.size() > 0) requireFewTurns(file, samples, *arm);
+  // A joint without an end may stand at any turn, but no capture winds it up.
+  if (arm != nullptr && samples.front().q.size() > 0) requireFewTurns(file, samples, *arm, false);
   requireOnePose(file, samples);
   requirePossibleRows(file, samples, arm);
+}
+
+void requireCommands(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
+  if (!samples.empty() && samples.front().q.size() > 0) requireFewTurns(file, samples, arm, true);
+  requirePossibleRows(file, samples, &arm);
 }
 
 void requirePossibleRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {

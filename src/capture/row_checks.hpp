@@ -17,6 +17,10 @@ double distanceOfRows(const Sample& a, const Sample& b);
 /// @throws FileError with the line: joint velocities or a payload that the arm cannot have.
 void requirePossibleRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm);
 
+/// Of rows that are to be commanded or foretold.
+/// @throws FileError as requirePossibleRows(); a turning joint without limits that is many turns from its zero.
+void requireCommands(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm);
+
 /// Of rows that were measured.
 /// @throws FileError as requirePossibleRows(); rows of one pose that are far from each other; a joint without limits whose readings span
 /// many turns.

@@ -160,7 +160,7 @@ SampleTable readJointTable(const std::filesystem::path& file, const Arm& arm) {
     if (image) table.samples.back().image = imageName(csv.text(row, *image));
   }
   checkReadings(file, table.samples, arm);
-  requirePossibleRows(file, table.samples, &arm);
+  requireCommands(file, table.samples, arm);
   return table;
 }
 
@@ -179,7 +179,7 @@ SampleTable readWantedPoses(const std::filesystem::path& file, const Arm& arm) {
     table.samples.back().T_base_flange = readPoseCells(csv, row, pose);
   }
   if (table.has_joints) checkReadings(file, table.samples, arm);
-  requirePossibleRows(file, table.samples, &arm);
+  requireCommands(file, table.samples, arm);
   return table;
 }
 

@@ -1,4 +1,5 @@
 #include "poecal/core/csv.hpp"
+#include "poecal/core/choices.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -10,7 +11,6 @@
 #include <boost/algorithm/string/trim.hpp>
 #include <boost/tokenizer.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
@@ -80,7 +80,10 @@ CsvTable CsvTable::read(const std::filesystem::path& file) {
       continue;
     }
     if (cells.size() != table.header_.size()) {
-      throw FileError(file, line, fmt::format("{} cells, expected {} as in the header", cells.size(), table.header_.size()));
+      const bool quoted = text.find('"') != std::string::npos;
+      throw FileError(file, line,
+                      fmt::format("{} cells, expected {} as in the header{}", cells.size(), table.header_.size(),
+                                  quoted ? "; is a quote open that should be closed?" : ""));
     }
     table.rows_.push_back(std::move(cells));
     table.lines_.push_back(line);
@@ -98,7 +101,7 @@ std::optional<std::size_t> CsvTable::findColumn(const std::string& name) const {
 
 std::size_t CsvTable::column(const std::string& name) const {
   if (const auto found = findColumn(name)) return *found;
-  throw FileError(file_, 1, fmt::format("column '{}' is missing (there are: {})", name, fmt::join(header_, ", ")));
+  throw FileError(file_, 1, fmt::format("column '{}' is missing (there are: {})", name, choices(name, header_)));
 }
 
 std::optional<double> CsvTable::findNumber(std::size_t row, std::size_t column) const {

@@ -9,20 +9,24 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "poecal/core/choices.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 
 namespace poecal {
 namespace {
 
-/// Listens to a document being read for keys that a map has twice: readers of YAML differ on which of the two they take.
-class RepeatedKeys : public YAML::EventHandler {
+/// Listens to the documents of a file being read for keys that a map has twice, on which readers of YAML differ, and for a document beside
+/// the first, which most readers leave out in silence.
+class Contradictions : public YAML::EventHandler {
  public:
-  explicit RepeatedKeys(const std::filesystem::path& file) : file_(file) {}
+  Contradictions(const std::filesystem::path& file, YamlNode::Documents documents) : file_(file), documents_(documents) {}
 
-  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    ++document_;
+    line_ = mark.line + 1;
+  }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark&, YAML::anchor_t) override { endNode(); }
   void OnAlias(const YAML::Mark&, YAML::anchor_t) override { endNode(); }
@@ -33,10 +37,12 @@ class RepeatedKeys : public YAML::EventHandler {
     endNode();
   }
   void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    requireFirst();
     open_.push_back({.is_map = false, .key_next = false, .keys = {}});
   }
   void OnSequenceEnd() override { close(); }
   void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    requireFirst();
     open_.push_back({.is_map = true, .key_next = true, .keys = {}});
   }
   void OnMapEnd() override { close(); }
@@ -46,6 +52,11 @@ class RepeatedKeys : public YAML::EventHandler {
     bool is_map, key_next;
     std::set<std::string> keys;
   };
+  /// An empty document, or a word after the end, is none: "---" also ends one.
+  void requireFirst() const {
+    if (document_ < 2 || documents_ == YamlNode::Documents::kFirstOfMany) return;
+    throw FileError(file_, line_, "a second document begins here, expected one");
+  }
   void close() {
     open_.pop_back();
     endNode();
@@ -55,14 +66,25 @@ class RepeatedKeys : public YAML::EventHandler {
   }
 
   const std::filesystem::path& file_;
+  YamlNode::Documents documents_;
+  int document_ = 0;
+  int line_ = 0;
   std::vector<Collection> open_;
 };
 
-void requireSingleKeys(const std::filesystem::path& file, const std::string& content) {
+void requireNoContradiction(const std::filesystem::path& file, const std::string& content, YamlNode::Documents documents) {
   std::istringstream stream(content);
   YAML::Parser parser(stream);
-  RepeatedKeys keys(file);
-  parser.HandleNextDocument(keys);
+  Contradictions contradictions(file, documents);
+  // Of many documents the first is read, whatever the others are.
+  bool more = parser.HandleNextDocument(contradictions);
+  while (more && documents == YamlNode::Documents::kOne) more = parser.HandleNextDocument(contradictions);
+}
+
+/// Whether an integer begins with a zero that is not all of it.
+bool hasLeadingZero(std::string_view text) {
+  if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
+  return text.size() > 1 && text.front() == '0';
 }
 
 }  // namespace
@@ -70,11 +92,11 @@ void requireSingleKeys(const std::filesystem::path& file, const std::string& con
 YamlNode::YamlNode(std::shared_ptr<const std::filesystem::path> file, YAML::Node node, std::string name)
     : file_(std::move(file)), node_(std::move(node)), name_(std::move(name)) {}
 
-YamlNode YamlNode::load(const std::filesystem::path& file) {
+YamlNode YamlNode::load(const std::filesystem::path& file, Documents documents) {
   const std::string content = readUtf8File(file);
   if (looksLikeXml(content)) throw FileError(file, 1, "begins as XML does, expected YAML");
   try {
-    requireSingleKeys(file, content);
+    requireNoContradiction(file, content, documents);
     YamlNode root(std::make_shared<const std::filesystem::path>(file), YAML::Load(content), "");
     if (!root.isMap()) throw FileError(file, 1, "expected a YAML map of keys and values");
     return root;
@@ -99,9 +121,9 @@ void YamlNode::checkKeys(std::initializer_list<const char*> known) const {
   for (const auto& entry : node_) {
     const std::string key = entry.first.as<std::string>("");
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw FileError(
-          *file_, entry.first.Mark().line + 1,
-          fmt::format("unknown key '{}'{}, expected one of: {}", key, name_.empty() ? "" : " in " + name_, fmt::join(known, ", ")));
+      throw FileError(*file_, entry.first.Mark().line + 1,
+                      fmt::format("unknown key '{}'{}, expected one of: {}", key, name_.empty() ? "" : " in " + name_,
+                                  choices(key, {known.begin(), known.end()})));
     }
   }
 }
@@ -149,6 +171,7 @@ double YamlNode::positive() const {
 int YamlNode::integer() const {
   int value = 0;
   if (!node_.IsScalar() || !YAML::convert<int>::decode(node_, value)) fail("expected an integer");
+  if (hasLeadingZero(node_.Scalar())) fail(fmt::format("is {}, expected an integer without a leading zero", node_.Scalar()));
   return value;
 }
 

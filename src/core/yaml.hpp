@@ -16,8 +16,10 @@ namespace poecal {
 /// A node of a YAML file that remembers where it stands and what it is called ("joints[2].axis").
 class YamlNode {
  public:
-  /// @throws FileError: missing file, not YAML, the document is not a map.
-  static YamlNode load(const std::filesystem::path& file);
+  /// How many documents a file may hold, parted by "---". What a tool that listens to a topic writes has one for each message.
+  enum class Documents { kOne, kFirstOfMany };
+  /// @throws FileError: missing file, not YAML, the document is not a map, a document more than there may be.
+  static YamlNode load(const std::filesystem::path& file, Documents documents = Documents::kOne);
 
   const std::filesystem::path& file() const { return *file_; }
   int line() const;
@@ -39,6 +41,7 @@ class YamlNode {
   /// Scalars. @throws FileError: not a number, not finite...
   double number() const;
   double positive() const;
+  /// Also @throws where zeros lead it: some readers of YAML take 012 for ten, others for twelve.
   int integer() const;
   std::string text() const;
   /// @param count  expected number of entries; negative: any.

@@ -1,5 +1,6 @@
 #include "poecal/detection/board_pictures.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 #include <fmt/format.h>
@@ -25,6 +26,23 @@ BoardView boardView(const ImageCorners& image, const Target& target) {
   return view;
 }
 
+/// A view whose corners are those of an earlier one to the last digit loses them: noise alone makes two pictures differ.
+void leaveOutCopies(BoardPictures& pictures) {
+  std::vector<const BoardView*> kept;
+  for (BoardView& view : pictures.views) {
+    const auto original = std::find_if(kept.begin(), kept.end(), [&view](const BoardView* earlier) {
+      return earlier->pixels.cols() == view.pixels.cols() && earlier->points == view.points && earlier->pixels == view.pixels;
+    });
+    if (view.pixels.cols() == 0) continue;
+    if (original == kept.end()) {
+      kept.push_back(&view);
+      continue;
+    }
+    pictures.notes.push_back({view.image, fmt::format("is a copy of {}, left out", (*original)->image), true});
+    view = {view.image, Eigen::Matrix3Xd(3, 0), Eigen::Matrix2Xd(2, 0)};
+  }
+}
+
 }  // namespace
 
 BoardPictures readBoardPictures(const std::filesystem::path& folder, const DetectOptions& options, KnownCorners* known) {
@@ -36,6 +54,7 @@ BoardPictures readBoardPictures(const std::filesystem::path& folder, const Detec
   if (found.width == 0) throw FileError(folder, 0, fmt::format("none of the {} pictures can be read", images.size()));
   for (const ImageCorners& image : found.detections.images) pictures.views.push_back(boardView(image, pictures.target));
   pictures.notes = std::move(found.notes);
+  leaveOutCopies(pictures);
   pictures.width = found.width;
   pictures.height = found.height;
   return pictures;

@@ -11,6 +11,7 @@
 #include "effects/curve.hpp"
 #include "effects/kinds.hpp"
 #include "effects/mass_layout.hpp"
+#include "poecal/core/choices.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 
@@ -246,7 +247,7 @@ const EffectKind& effectKind(const std::string& name) {
   if (const EffectKind* kind = findEffectKind(name)) return *kind;
   std::vector<std::string> names;
   for (const EffectKind& known : effectKinds()) names.push_back(known.name);
-  throw InvalidArgument(fmt::format("effect '{}' is not known, expected {}", name, fmt::join(names, ", ")));
+  throw InvalidArgument(fmt::format("effect '{}' is not known, expected {}", name, choices(name, std::move(names))));
 }
 
 AppliedEffect makeEffect(const EffectSpec& spec, const Cell& cell) {

@@ -54,6 +54,10 @@ void readRegistration(const YamlNode& root, Model& model) {
   Registration& registration = model.cell.registration;
   registration.setup = node.has("T_camera_flange") || node.has("T_instrument_flange") ? Setup::kEyeInHand : Setup::kEyeToHand;
   node.checkKeys({nearKey(model).c_str(), farKey(model).c_str(), "standard_deviation"});
+  if (const auto setup = root.find("setup"); setup && setup->text() != setupName(registration.setup)) {
+    setup->fail(
+        fmt::format("is '{}', expected {} as the transforms of registration have it", setup->text(), setupName(registration.setup)));
+  }
   registration.T_camera_near = readPose(node[nearKey(model).c_str()]);
   registration.T_far_target = readPose(node[farKey(model).c_str()]);
 }

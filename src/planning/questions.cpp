@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "diagnosis/evidence.hpp"
+#include "poecal/core/choices.hpp"
 #include "poecal/core/error.hpp"
 
 namespace poecal {
@@ -255,8 +256,8 @@ std::vector<Candidate> askedFor(const Rival& asked, const CandidateList& list) {
       throw InsufficientData(fmt::format("{}@{} cannot be planned for: {}", other.effect, other.location, other.why));
     }
   }
-  throw InvalidArgument(fmt::format("{} is not at {}{}, expected one of: {}", asked.effect, asked.location,
-                                    asked.driver.empty() ? "" : "/" + asked.driver, fmt::join(places, ", ")));
+  const std::string place = asked.location + (asked.driver.empty() ? "" : "/" + asked.driver);
+  throw InvalidArgument(fmt::format("{} is not at {}, expected one of: {}", asked.effect, place, choices(place, std::move(places))));
 }
 
 }  // namespace

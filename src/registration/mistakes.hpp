@@ -47,5 +47,7 @@ std::vector<Mistake> pictureMistakes(const Problem& problem);
 std::vector<Mistake> cornerMistakes(const Problem& problem);
 /// Tags of a board numbered in another order, or closer or farther apart. Likewise.
 std::vector<Mistake> layoutMistakes(const Problem& problem, const std::vector<Observation>& all);
+/// Points of a target that lists them: two exchanged, all mirrored, or one of them elsewhere. None for other targets. Likewise.
+std::vector<Mistake> pointMistakes(const Problem& problem, const std::vector<Observation>& all);
 
 }  // namespace poecal

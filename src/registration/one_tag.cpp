@@ -17,7 +17,7 @@
 namespace poecal {
 namespace {
 
-constexpr std::size_t kFewestTags = 3, kMostTags = 8;
+constexpr std::size_t kFewestTags = 2, kMostTags = 8;
 constexpr std::size_t kRows = 16, kFewestRows = 4;
 // What no ruler and no printer makes of one tag beside others; turns in radians.
 constexpr double kOtherSize = 0.03, kOtherPlace = 0.1, kOtherTurn = 0.1;
@@ -105,20 +105,24 @@ std::optional<FittedChange> fitChange(const Camera& camera, const std::vector<Ob
   return fitted;
 }
 
-/// "it looks 12.0 % larger than stated, 4.1 mm from its stated place"; empty where it is as stated.
-std::string describe(const FittedChange& fitted, double size) {
+/// How one tag differs from what is stated.
+struct Difference {
+  std::string text;       ///< "12.0 % larger than stated, 4.1 mm from its stated place"; empty where it is as stated
+  bool is_moved = false;  ///< it lies elsewhere
+};
+
+Difference describe(const FittedChange& fitted, double size) {
   const auto surely = [&](Eigen::Index k, double usual) { return std::abs(fitted.change(k)) > std::max(usual, kSurely * fitted.sigma(k)); };
-  std::string text;
-  const auto add = [&text](const std::string& what) { text += (text.empty() ? "it looks " : ", ") + what; };
+  Difference difference;
+  const auto add = [&difference](const std::string& what) { difference.text += (difference.text.empty() ? "" : ", ") + what; };
   if (surely(0, kOtherSize)) {
     const double more = fitted.change(0);
     add(fmt::format("{:.1f} % {} than stated", 100.0 * std::abs(more), more > 0.0 ? "larger" : "smaller"));
   }
-  if (surely(1, kOtherPlace * size) || surely(2, kOtherPlace * size)) {
-    add(fmt::format("{:.3g} mm from its stated place", 1e3 * std::hypot(fitted.change(1), fitted.change(2))));
-  }
+  difference.is_moved = surely(1, kOtherPlace * size) || surely(2, kOtherPlace * size);
+  if (difference.is_moved) add(fmt::format("{:.3g} mm from its stated place", 1e3 * std::hypot(fitted.change(1), fitted.change(2))));
   if (surely(3, kOtherTurn)) add(fmt::format("turned by {:.3g} degrees", fitted.change(3) * 180.0 / M_PI));
-  return text;
+  return difference;
 }
 
 /// A tag of half or twice its size, or farther away than the target is wide: the others place it by a pose that is none.
@@ -129,6 +133,22 @@ bool isFarFrom(const FittedChange& fitted, const std::map<int, std::map<int, Eig
     for (const auto& [corner, point] : corners) farthest = std::max(farthest, (point - plane.middle).norm());
   }
   return std::abs(fitted.change(0)) > kHalf || std::hypot(fitted.change(1), fitted.change(2)) > farthest;
+}
+
+struct OtherTag {
+  int tag = 0;
+  Difference difference;
+  double left = 0.0;               ///< by free poses once it is taken as it looks [px]
+  std::optional<int> as_likely{};  ///< of two tags, the other one
+};
+
+/// Of many tags the others say which is wrong. Of two each is wrong in the other's eyes: one of another size looks, seen from it, as if its
+/// neighbour had another size and another place, so the simpler change is the mistake.
+OtherTag betterOf(OtherTag a, OtherTag b, bool are_all) {
+  if (!are_all) return b.left < a.left ? b : a;
+  if (a.difference.is_moved != b.difference.is_moved) return a.difference.is_moved ? b : a;
+  a.as_likely = b.tag;
+  return a;
 }
 
 std::size_t posed(const Problem& problem) {
@@ -151,15 +171,14 @@ void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observ
   for (std::size_t i = 0; i < rows; ++i) few.observations.push_back(observations[i * observations.size() / rows]);
   renewPictures(few);
   const double stated = freeMisfit(few.samples);
-  double least = kMends * stated;
-  std::string best;
+  std::optional<OtherTag> best;
   for (const auto& [tag, corners] : tags) {
     if (corners.size() != kTagCorners) continue;
     const TagPlane plane = TagPlane::of(corners);
     const auto fitted = fitChange(*cell.camera, few.observations, tag, plane);
     if (!fitted) continue;
-    const std::string text = describe(*fitted, plane.size);
-    if (text.empty() || isFarFrom(*fitted, tags, plane)) continue;
+    OtherTag other{tag, describe(*fitted, plane.size), 0.0, std::nullopt};
+    if (other.difference.text.empty() || isFarFrom(*fitted, tags, plane)) continue;
     Problem altered = few;
     for (Observation& observation : altered.observations) {
       for (CornerMeasurement& corner : observation.corners) {
@@ -167,15 +186,18 @@ void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observ
       }
     }
     renewPictures(altered);
-    const double left = freeMisfit(altered.samples);
-    if (!(left < least) || posed(altered) < posed(few)) continue;
-    least = left;
-    best = fmt::format(
-        "tag {} does not fit the layout of the others: {} (so, the target fits to {:.3g} px instead of {:.3g} with a pose of "
-        "its own in each picture)",
-        tag, text, left, stated);
+    other.left = freeMisfit(altered.samples);
+    if (!(other.left < kMends * stated) || posed(altered) < posed(few)) continue;
+    if (best) other = betterOf(std::move(*best), std::move(other), tags.size() == kFewestTags);
+    best = std::move(other);
   }
-  if (!best.empty()) throw ImplausibleCapture(best, InputPart::kTarget);
+  if (!best) return;
+  throw ImplausibleCapture(
+      fmt::format("tag {} does not fit the layout of the others: it looks {}{} (so, the target fits to {:.3g} px instead of {:.3g} with a "
+                  "pose of its own in each picture)",
+                  best->tag, best->difference.text, best->as_likely ? fmt::format(", or tag {} is the wrong one", *best->as_likely) : "",
+                  best->left, stated),
+      InputPart::kTarget);
 }
 
 }  // namespace poecal

@@ -9,8 +9,8 @@
 namespace poecal {
 
 /// Places each tag by the others: their pose in every picture foretells its corners, and what these are off by is fitted as another size,
-/// place and turn of the tag in its plane. Only targets of 3 to 8 tags are looked at: of two nobody knows which is wrong, and boards of
-/// many are printed as one.
+/// place and turn of the tag in its plane. Only targets of 2 to 8 tags are looked at: boards of many are printed as one. Of two tags the
+/// one is named whose change is the simpler, and the other beside it where both are as simple.
 /// @throws ImplausibleCapture: with one tag of another size (3 %), place (a tenth of its size) or turn (0.1 rad) the free poses leave less
 /// than a third of what they leave now. Smaller ones are for the diagnosis to say (target_layout).
 void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observations);

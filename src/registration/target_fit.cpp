@@ -27,7 +27,7 @@ constexpr double kMends = 0.3;
 // And no more than so many times what may be all that is usual.
 constexpr double kUsual = 2.0;
 // Factors on the distance of the tags that are tried.
-constexpr double kFarthest = 0.7, kStep = 0.05;
+constexpr double kFarthest = 1.0, kStep = 0.05;
 constexpr std::size_t kListed = 8;  // tags of a target that lists each of them
 // Beyond this share of the target's extent no lens and no bend is what a free pose leaves.
 constexpr double kOfNoTarget = 0.1;
@@ -114,26 +114,31 @@ double extentInPictures(const std::vector<Observation>& observations) {
   return extents.empty() ? 0.0 : median(extents);
 }
 
-/// Some observations evenly over the series, each with some tags, evenly over those whose four corners it shows.
-Problem wholeTags(const Cell& cell, const std::vector<Observation>& observations) {
+/// Some observations evenly over the series.
+Problem someRows(const Cell& cell, const std::vector<Observation>& observations) {
   Problem few;
   few.cell = cell;
   const std::size_t rows = std::min(kRows, observations.size());
-  for (std::size_t i = 0; i < rows; ++i) {
-    Observation observation = observations[i * observations.size() / rows];
+  for (std::size_t i = 0; i < rows; ++i) few.observations.push_back(observations[i * observations.size() / rows]);
+  return few;
+}
+
+/// Some observations evenly over the series, each with some tags, evenly over those whose four corners it shows.
+Problem wholeTags(const Cell& cell, const std::vector<Observation>& observations) {
+  Problem few = someRows(cell, observations);
+  for (Observation& observation : few.observations) {
     std::map<int, int> seen;
     for (const CornerMeasurement& corner : observation.corners) ++seen[corner.id.tag];
     std::vector<int> whole;
     for (const auto& [tag, corners] : seen) {
       if (tag >= 0 && corners == 4) whole.push_back(tag);
     }
-    if (whole.empty()) continue;
     std::set<int> chosen;
     const std::size_t tags = std::min(kTags, whole.size());
     for (std::size_t k = 0; k < tags; ++k) chosen.insert(whole[k * whole.size() / tags]);
     std::erase_if(observation.corners, [&](const CornerMeasurement& corner) { return !chosen.contains(corner.id.tag); });
-    few.observations.push_back(std::move(observation));
   }
+  std::erase_if(few.observations, [](const Observation& observation) { return observation.corners.empty(); });
   renewPictures(few);
   return few;
 }
@@ -164,10 +169,7 @@ void requireGridFits(const Cell& cell, const std::vector<Observation>& observati
   const std::map<int, Eigen::Vector3d> stated = boardCorners(observations);
   const std::optional<std::map<int, Eigen::Vector3d>> other = gridTheOtherWay(stated);
   if (!other) return;
-  Problem few;
-  few.cell = cell;
-  const std::size_t rows = std::min(kRows, observations.size());
-  for (std::size_t i = 0; i < rows; ++i) few.observations.push_back(observations[i * observations.size() / rows]);
+  Problem few = someRows(cell, observations);
   renewPictures(few);
   Problem altered = few;
   for (Observation& observation : altered.observations) {
@@ -190,6 +192,36 @@ struct BetterTarget {
   double left = 0.0;
   std::string other = "";  ///< another mistake that explains as much
 };
+
+/// Corners, tags or points in another order, or another distance of them. @param usual  what a usual lens may leave [px].
+void requireLayoutFits(const Cell& cell, const std::vector<Observation>& observations, double usual) {
+  Problem few = wholeTags(cell, observations);
+  if (few.observations.size() < 4) {
+    few = someRows(cell, observations);
+    renewPictures(few);
+  }
+  const double stated = freeOrNone(few.observations, few.samples);
+  std::optional<BetterTarget> best;
+  for (const std::vector<Mistake>& kind :
+       std::array{layoutMistakes(few, observations), cornerMistakes(few), pointMistakes(few, observations)}) {
+    for (const Mistake& mistake : kind) {
+      Problem altered = few;
+      mistake.undo(altered);
+      const double left = freeOrNone(altered.observations, altered.samples);
+      if (!(left <= kMends * stated) || !(left <= kUsual * usual)) continue;
+      if (!best || left < kClearlyBetter * best->left) {
+        best = {mistake.text, mistake.part, left};
+      } else if (best->other.empty() && left < kAsGood * best->left) {
+        best->other = mistake.text;
+      }
+    }
+  }
+  if (!best) return;
+  throw ImplausibleCapture(
+      fmt::format("{} (with a pose of its own in each picture the target then fits to {:.3g} px instead of {}{})", best->text, best->left,
+                  std::isfinite(stated) ? fmt::format("{:.3g} px", stated) : "not at all", asLikely(best->other)),
+      best->part);
+}
 
 }  // namespace
 
@@ -260,39 +292,17 @@ std::vector<Mistake> layoutMistakes(const Problem& problem, const std::vector<Ob
 
 void requireTargetFits(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples) {
   if (observations.size() < 4 || observations.front().pose) return;
-  requireEachTagFits(cell, observations);
   requireGridFits(cell, observations);
   const double free = freeOrNone(observations, samples), extent = extentInPictures(observations);
   const double usual = std::max(kPixels, kShareOfExtent * extent);
-  if (free <= usual) return;
-  const Problem few = wholeTags(cell, observations);
-  if (few.observations.size() < 4) return;
-  const double stated = freeOrNone(few.observations, few.samples);
-  std::optional<BetterTarget> best;
-  for (const std::vector<Mistake>& kind : std::array{layoutMistakes(few, observations), cornerMistakes(few)}) {
-    for (const Mistake& mistake : kind) {
-      Problem altered = few;
-      mistake.undo(altered);
-      const double left = freeOrNone(altered.observations, altered.samples);
-      if (!(left <= kMends * stated) || !(left <= kUsual * usual)) continue;
-      if (!best || left < kClearlyBetter * best->left) {
-        best = {mistake.text, mistake.part, left};
-      } else if (best->other.empty() && left < kAsGood * best->left) {
-        best->other = mistake.text;
-      }
-    }
-  }
-  if (!best) {
-    if (!(free > kOfNoTarget * extent)) return;
-    throw ImplausibleCapture(fmt::format("no pose of this target shows the corners as the pictures do (the best leave {} of {:.0f} px "
-                                         "from corner to corner): expected the layout, ids and sizes of the printed target",
-                                         std::isfinite(free) ? fmt::format("{:.3g}", free) : "all", extent),
-                             InputPart::kTarget);
-  }
-  throw ImplausibleCapture(
-      fmt::format("{} (with a pose of its own in each picture the target then fits to {:.3g} px instead of {}{})", best->text, best->left,
-                  std::isfinite(stated) ? fmt::format("{:.3g} px", stated) : "not at all", asLikely(best->other)),
-      best->part);
+  if (free > usual) requireLayoutFits(cell, observations, usual);
+  // After the layout as a whole: seen from a tag whose corners are counted otherwise, another one lies elsewhere.
+  requireEachTagFits(cell, observations);
+  if (!(free > kOfNoTarget * extent) || free <= usual) return;
+  throw ImplausibleCapture(fmt::format("no pose of this target shows the corners as the pictures do (the best leave {} of {:.0f} px from "
+                                       "corner to corner): expected the layout, ids and sizes of the printed target",
+                                       std::isfinite(free) ? fmt::format("{:.3g}", free) : "all", extent),
+                           InputPart::kTarget);
 }
 
 }  // namespace poecal

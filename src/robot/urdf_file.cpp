@@ -4,9 +4,13 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
+#include <cmath>
+#include <locale>
 #include <map>
 #include <mutex>
+#include <numbers>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -14,6 +18,7 @@
 #include <fmt/ranges.h>
 
 #include "core/utf8.hpp"
+#include "poecal/core/choices.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "poecal/robot/robot_file.hpp"
@@ -83,6 +88,20 @@ bool isMacro(const tinyxml2::XMLElement& element) {
          });
 }
 
+/// Whether an angle of its rpy is more than a whole turn: no program writes that in radians, and people write 90 for a right angle.
+bool isTurnedInDegrees(const tinyxml2::XMLElement& element) {
+  constexpr double kTurn = 2.0 * std::numbers::pi + 1e-3;  // 6.2832 is a rounded turn
+  const char* rpy = element.Attribute("rpy");
+  if (rpy == nullptr) return false;
+  std::istringstream angles(rpy);
+  angles.imbue(std::locale::classic());
+  double angle = 0.0;
+  while (angles >> angle) {
+    if (std::abs(angle) > kTurn) return true;
+  }
+  return false;
+}
+
 /// The file is UTF-8, but a number such as &#xD800; in it may stand for no sign at all.
 bool holdsNoSign(const tinyxml2::XMLElement& element) {
   for (const tinyxml2::XMLNode* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
@@ -126,6 +145,10 @@ UrdfFile::UrdfFile(const std::filesystem::path& file) : file_(file) {
   }
   if (const tinyxml2::XMLElement* macro = findFirst(root, isMacro)) {
     throw FileError(file, macro->GetLineNum(), "is a xacro, expected it expanded: xacro arm.urdf.xacro > arm.urdf");
+  }
+  if (const tinyxml2::XMLElement* origin = findFirst(root, isTurnedInDegrees)) {
+    throw FileError(file, origin->GetLineNum(),
+                    fmt::format("rpy is '{}', more than a whole turn, expected radians; is it in degrees?", origin->Attribute("rpy")));
   }
   CollectedErrors errors;
   // What the one reader made of the text, so that the other makes nothing else of odd signs in it.
@@ -209,7 +232,7 @@ urdf::LinkConstSharedPtr UrdfFile::link(const std::string& name) const {
   if (const urdf::LinkConstSharedPtr found = model_->getLink(name)) return found;
   std::vector<std::string> names;
   for (const auto& entry : model_->links_) names.push_back(entry.first);
-  fail(fmt::format("link '{}' is not there, expected one of: {}", name, fmt::join(names, ", ")));
+  fail(fmt::format("link '{}' is not there, expected one of: {}", name, choices(name, std::move(names))));
 }
 
 std::vector<urdf::JointConstSharedPtr> UrdfFile::chain(const std::string& base_link, const std::string& tip_link) const {

@@ -136,7 +136,7 @@ std::vector<BoardView> unevenly(std::vector<BoardView> views, double floor, Rng&
   return views;
 }
 
-TEST(Intrinsics, CornersWeighAsTheirSigmasSay) {
+TEST(IntrinsicsStatistics, CornersWeighAsTheirSigmasSay) {
   // Each trial's nine squared and normalised errors are 9 +- 4.2 in sum, their mean over 24 trials 1 +- 0.1.
   constexpr int kTrials = 24;
   constexpr double kLeast = 0.7, kMost = 1.4;
@@ -277,7 +277,7 @@ TEST(Intrinsics, PicturesThatPullMakeTheStatedDeviationsLarger) {
   EXPECT_LT(std::abs(result.robust.camera.fx - truth.fx), 3.0 * result.robust.camera.standard_deviation(0));
 }
 
-TEST(Intrinsics, UncertaintyIsWhatOtherNoiseMoves) {
+TEST(IntrinsicsStatistics, UncertaintyIsWhatOtherNoiseMoves) {
   const Camera truth = test::plumbBobCamera();
   Rng rng = test::rngOfThisTest();
   const std::vector<BoardView> exact = test::boardScene(truth, 10, rng).views;

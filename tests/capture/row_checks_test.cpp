@@ -60,6 +60,14 @@ TEST_F(RowChecks, AJointWithoutAnEndIsNotWoundUp) {
   EXPECT_EQ(error(), "no error") << "a long track";
 }
 
+TEST_F(RowChecks, NoCommandIsManyTurnsFromZero) {
+  const auto refused = [this] { return test::messageOf<FileError>([this] { requireCommands("rows.csv", samples_, arm_); }); };
+  EXPECT_EQ(refused(), "no error");
+  samples_[3].q(0) = 90.0;
+  EXPECT_THAT(refused(),
+              HasSubstr("rows.csv:5: q1 (joint_1) is 90 here and spans 14 turns in all, expected radians; are the readings in degrees?"));
+}
+
 TEST_F(RowChecks, VelocitiesAreThoseOfAnArm) {
   arm_.joints[1].largest_speed = 2.0;
   for (Sample& sample : samples_) sample.dq = Eigen::Vector3d(1.0, 2.1, 0.2);

@@ -36,6 +36,8 @@ TEST(Csv, ErrorsNameFileLineAndExpectation) {
   EXPECT_THAT([&] { table.column("y"); }, Throws<FileError>(Property(&FileError::what, HasSubstr("a.csv:1: column 'y' is missing"))));
   EXPECT_THAT([&] { CsvTable::read(folder.write("b.csv", "x,y\n1,2\n1\n")); },
               Throws<FileError>(Property(&FileError::what, HasSubstr("b.csv:3: 1 cells, expected 2"))));
+  EXPECT_THAT([&] { CsvTable::read(folder.write("b.csv", "x,y\n\"1,2\n3,4\n")); },
+              Throws<FileError>(Property(&FileError::what, HasSubstr("b.csv:2: 1 cells, expected 2 as in the header; is a quote open"))));
   EXPECT_THAT([&] { CsvTable::read(folder.write("c.csv", "x,x\n")); },
               Throws<FileError>(Property(&FileError::what, HasSubstr("column 'x' is there twice"))));
   const auto expectRefused = [&folder](const std::string& content, const std::string& message) {

@@ -34,6 +34,29 @@ TEST(Yaml, ErrorsNameLineKeyAndExpectation) {
   EXPECT_THAT([&] { YamlNode::load(folder.write("c.yaml", "- 1\n")); }, failsWith("c.yaml:1: expected a YAML map"));
 }
 
+TEST(Yaml, OneDocumentIsRead) {
+  const test::TempFolder folder;
+  const auto load = [&folder](const std::string& text, YamlNode::Documents documents = YamlNode::Documents::kOne) {
+    return YamlNode::load(folder.write("a.yaml", text), documents)["a"].integer();
+  };
+  EXPECT_THAT([&] { load("a: 1\n---\na: 2\n"); }, failsWith("a.yaml:2: a second document begins here, expected one"));
+  EXPECT_THAT([&] { load("a: 1\n...\n---\n- 2\n"); }, failsWith("a second document begins here"));
+  EXPECT_EQ(load("---\na: 1\n---\n"), 1) << "what listens to a topic ends every message so";
+  EXPECT_EQ(load("a: 1\n---\na: 2\n", YamlNode::Documents::kFirstOfMany), 1);
+}
+
+TEST(Yaml, AnIntegerHasNoLeadingZero) {
+  const test::TempFolder folder;
+  const auto read = [&folder](const std::string& text) {
+    return YamlNode::load(folder.write("a.yaml", "a: " + text + "\n"))["a"].integer();
+  };
+  EXPECT_THAT([&] { read("012"); }, failsWith("a.yaml:1: a: is 012, expected an integer without a leading zero"));
+  EXPECT_THAT([&] { read("-007"); }, failsWith("is -007"));
+  EXPECT_THAT([&] { read("0x1F"); }, failsWith("is 0x1F"));
+  EXPECT_EQ(read("0"), 0);
+  EXPECT_EQ(read("-10"), -10);
+}
+
 TEST(Yaml, AKeyIsThereOnce) {
   const test::TempFolder folder;
   const auto load = [&folder](const std::string& text) { return [&folder, text] { YamlNode::load(folder.write("a.yaml", text)); }; };

@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "detection/corner_finder.hpp"
+#include "poecal/detection/board_pictures.hpp"
 #include "poecal/detection/detector.hpp"
 #include "support/random.hpp"
 #include "support/rendering.hpp"
@@ -79,6 +81,27 @@ TEST(Chessboard, ABoardOfAnotherSizeIsNamed) {
   EXPECT_THAT(notes(12, 9), ::testing::ElementsAre("no chessboard of 12 x 9 inner corners was found; one of 9 x 6 was"));
   EXPECT_THAT(notes(9, 6), IsEmpty());
   EXPECT_THAT(notes(6, 9), IsEmpty()) << "the same board, turned";
+}
+
+TEST(Chessboard, ACopyOfAPictureCountsOnce) {
+  Rng rng = test::rngOfThisTest();
+  const test::TempFolder folder;
+  folder.write("target.yaml", "type: chessboard\ncols: 9\nrows: 6\nsquare: 0.02\n");
+  test::Quad ends, texture_ends;
+  ends << 120, 500, 470, 140, 90, 130, 380, 350;
+  const cv::Mat scene = boardPicture(9, 6, ends, texture_ends, {640, 480});
+  for (const char* name : {"a.png", "c.png"}) {
+    cv::Mat picture = scene.clone();
+    test::degrade(picture, rng, 0.8, 2.0);  // the same pose with other noise is another picture
+    cv::imwrite(folder.path() / name, picture);
+    if (*name == 'a') cv::imwrite(folder.path() / "b.png", picture);
+  }
+  const BoardPictures pictures = readBoardPictures(folder.path(), {});
+  ASSERT_EQ(pictures.views.size(), 3u);
+  EXPECT_EQ(pictures.views[0].pixels.cols(), 54);
+  EXPECT_EQ(pictures.views[1].pixels.cols(), 0);
+  EXPECT_EQ(pictures.views[2].pixels.cols(), 54);
+  EXPECT_THAT(texts(pictures.notes), ::testing::ElementsAre("b.png: is a copy of a.png, left out"));
 }
 
 TEST(ChessboardReal, CalibratesAsWellAsPublished) {

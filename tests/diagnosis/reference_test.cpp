@@ -72,7 +72,7 @@ TEST(Reference, ACellWithoutFlawsStaysOne) {
 }
 
 /// A small slip of the camera and one of a joint look alike in the target. The reference tells them apart.
-TEST(Reference, LeavesNoDoubtOfASmallSlip) {
+TEST(ReferenceStatistics, LeavesNoDoubtOfASmallSlip) {
   const auto motion = [](const Sample& sample) {
     Vector6d turn = Vector6d::Zero();
     if (*sample.stamp >= kSlip) turn(0) = 6e-5;

@@ -58,7 +58,7 @@ TEST(Gao, IdentifiesPrismaticJointsToo) {
   EXPECT_THAT(forwardKinematics(result.arm, q), test::PoseIsNear(forwardKinematics(actual, q), 1e-11));
 }
 
-TEST(PaperExperiment, WeightedReachesTheStatisticalLimitAndGaoDoesNot) {
+TEST(PaperExperimentStatistics, WeightedReachesTheStatisticalLimitAndGaoDoesNot) {
   const std::vector<PaperSeed> seeds = paperExperiment(readRobotYaml(kPuma / "robot.yaml"), readRobotYaml(kPuma / "actual.yaml"), {});
   std::vector<double> gao_position, weighted_position, weighted_rotation;
   for (const PaperSeed& seed : seeds) {

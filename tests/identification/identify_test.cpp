@@ -19,6 +19,9 @@ namespace {
 using test::plainBundle;
 using test::Simulated;
 using test::simulated;
+using ::testing::HasSubstr;
+using ::testing::Property;
+using ::testing::Throws;
 
 TEST(Identify, AFifthOfWrongRowsIsListedAndDoesNotMoveTheModel) {
   Simulated data = simulated("cobot6", 3, 60, 0);
@@ -124,6 +127,10 @@ TEST(Identify, ModelFileReadsBackAsTheSameModel) {
       makeEffect({.effect = "joint_backlash", .location = "joint:2", .parameters = {{"half_gap", 3.1e-4}}, .driver = ""}, found.model.cell);
   found.model.effects = {backlash};
   const Model model = readModel(folder.write("model.yaml", modelYaml(found.model)));
+  std::string turned = modelYaml(found.model);
+  turned.replace(turned.find("setup: eye_to_hand"), 18, "setup: eye_in_hand");
+  EXPECT_THAT([&] { readModel(folder.write("turned.yaml", turned)); },
+              Throws<FileError>(Property(&FileError::what, HasSubstr("setup: is 'eye_in_hand', expected eye_to_hand as the transforms"))));
   for (const Observation& observation : data.unseen) {
     const auto expected = found.model.cell.registration.cameraTarget(modelFlange(found.model.cell, observation));
     EXPECT_THAT(model.cell.registration.cameraTarget(modelFlange(model.cell, observation)), test::PoseIsNear(expected, 1e-13));

@@ -1,6 +1,7 @@
 // Good captures pass; what is left out, open or off is said.
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include <gmock/gmock.h>
 
@@ -22,7 +23,7 @@ using test::View;
 using test::withGrid;
 using ::testing::HasSubstr;
 
-TEST(Plausibility, LooseArmsAndFewPicturesPass) {
+TEST(PlausibilityStatistics, LooseArmsAndFewPicturesPass) {
   Rng rng = test::rngOfThisTest();
   for (const char* arm : {"elbow", "seven", "shoulder", "scara"}) {
     for (const auto setup : {Setup::kEyeToHand, Setup::kEyeInHand}) {
@@ -37,7 +38,7 @@ TEST(Plausibility, LooseArmsAndFewPicturesPass) {
   }
 }
 
-TEST(Plausibility, ACameraThatMovedOnceIsSaidWherePosesAreGiven) {
+TEST(PlausibilityStatistics, ACameraThatMovedOnceIsSaidWherePosesAreGiven) {
   Rng rng = test::rngOfThisTest();
   for (const CaptureKind& kind :
        {CaptureKind{"elbow", Setup::kEyeInHand, Readings::kFlangePoses}, CaptureKind{"seven", Setup::kEyeToHand, Readings::kFlangePoses}}) {
@@ -130,6 +131,68 @@ TEST(Plausibility, OneTagOfSeveralThatIsNotAsStatedIsNamed) {
   }
 }
 
+/// Two tags side by side, or points in space, seen where `seen` puts what the file states.
+MadeCapture withPoints(const MadeCapture& capture, const std::map<PointId, Eigen::Vector3d>& stated,
+                       const std::map<PointId, Eigen::Vector3d>& seen) {
+  MadeCapture made = capture;
+  Rng rng = test::rngOfThisTest();
+  for (Observation& observation : made.observations) {
+    const Eigen::Isometry3d T = capture.truth.registration.cameraTarget(forwardKinematics(*capture.truth.arm, observation.q));
+    observation.corners.clear();
+    for (const auto& [id, p] : stated) {
+      CornerMeasurement corner;
+      corner.id = id;
+      corner.p_target = p;
+      corner.px = *project(*capture.truth.camera, T * seen.at(id)) + 0.1 * Eigen::Vector2d(rng.normal(), rng.normal());
+      observation.corners.push_back(corner);
+    }
+  }
+  return made;
+}
+
+TEST(Plausibility, OfTwoTagsTheOneOfAnotherSizeIsNamed) {
+  Rng rng = test::rngOfThisTest();
+  std::map<PointId, Eigen::Vector3d> stated;
+  for (int tag = 0; tag < 2; ++tag) {
+    for (int corner = 0; corner < 4; ++corner) {
+      stated[{tag, corner}] = {0.07 * tag + (corner == 1 || corner == 2 ? 0.02 : -0.02), corner < 2 ? 0.02 : -0.02, 0.0};
+    }
+  }
+  for (const CaptureKind& kind : {CaptureKind{"elbow"}, CaptureKind{"seven", Setup::kEyeInHand}}) {
+    const MadeCapture good = makeCapture(kind, rng);
+    EXPECT_FALSE(said(withPoints(good, stated, stated)).refused) << nameOf(kind);
+    std::map<PointId, Eigen::Vector3d> larger = stated, elsewhere = stated;
+    for (auto& [id, p] : larger) {
+      if (id.tag == 1) p = Eigen::Vector3d(0.07, 0, 0) + 1.25 * (p - Eigen::Vector3d(0.07, 0, 0));
+    }
+    EXPECT_THAT(said(withPoints(good, stated, larger)).message,
+                HasSubstr("tag 1 does not fit the layout of the others: it looks 24.9 % larger than stated (so"));
+    for (auto& [id, p] : elsewhere) {
+      if (id.tag == 1) p.y() += 0.01;
+    }
+    EXPECT_THAT(said(withPoints(good, stated, elsewhere)).message,
+                ::testing::ContainsRegex("tag 0 .* looks (9.9|10.)[0-9]? mm from its stated place, or tag 1 is the wrong one .so"));
+  }
+}
+
+TEST(Plausibility, PointsThatAreNotAsStatedAreNamed) {
+  Rng rng = test::rngOfThisTest();
+  const std::map<PointId, Eigen::Vector3d> stated{{{3, 0}, {0.1, 0, 0}},    {{4, 0}, {0, 0, 0}},           {{5, 0}, {0.1, 0.1, 0}},
+                                                  {{9, 0}, {0, 0.1, 0.02}}, {{10, 0}, {0.05, 0.05, 0.03}}, {{12, 0}, {0.02, 0.06, 0.01}}};
+  for (const CaptureKind& kind : {CaptureKind{"elbow"}, CaptureKind{"seven", Setup::kEyeInHand}}) {
+    const MadeCapture good = makeCapture(kind, rng);
+    const auto message = [&](const std::map<PointId, Eigen::Vector3d>& seen) { return said(withPoints(good, stated, seen)).message; };
+    EXPECT_FALSE(said(withPoints(good, stated, stated)).refused) << nameOf(kind);
+    std::map<PointId, Eigen::Vector3d> exchanged = stated, mirrored = stated, moved = stated;
+    std::swap(exchanged[{5, 0}], exchanged[{9, 0}]);
+    for (auto& [id, p] : mirrored) p.z() = -p.z();
+    moved[{9, 0}].x() += 0.03;
+    EXPECT_THAT(message(exchanged), HasSubstr("the points 5 and 9 look exchanged")) << nameOf(kind);
+    EXPECT_THAT(message(mirrored), HasSubstr("the points look mirrored")) << nameOf(kind);
+    EXPECT_THAT(message(moved), HasSubstr("the point 9 looks to lie at [0.03")) << nameOf(kind);
+  }
+}
+
 TEST(Plausibility, ABoardWithColumnsAndRowsExchangedIsNamed) {
   Rng rng = test::rngOfThisTest();
   const MadeCapture good = makeCapture({"elbow"}, rng);
@@ -156,7 +219,7 @@ TEST(Plausibility, ABoardWithColumnsAndRowsExchangedIsNamed) {
   EXPECT_THAT(said(board).message, HasSubstr("the board's columns and rows look exchanged"));
 }
 
-TEST(Plausibility, RowsThatAreMispairedInTurnAreNamed) {
+TEST(PlausibilityStatistics, RowsThatAreMispairedInTurnAreNamed) {
   Rng rng = test::rngOfThisTest();
   for (const CaptureKind& kind : {CaptureKind{"elbow"}, CaptureKind{"shoulder", Setup::kEyeInHand, Readings::kJoints, View::kLookAt},
                                   CaptureKind{"seven", Setup::kEyeToHand, Readings::kFlangePoses}}) {

@@ -163,6 +163,8 @@ const BadUrdf kBadUrdfs[] = {
      "small.urdf:4: joint 'slide' has an axis of length"},
     {"Millimetres", "<child link=\"c\"/>", "<child link=\"c\"/><origin xyz=\"400 0 162.5\"/>", "a", "c",
      "small.urdf:4: joint 'slide' is 0.43 km from the base, expected metres: an arm in millimetres?"},
+    {"TurnedInDegrees", "<child link=\"c\"/>", "<child link=\"c\"/><origin xyz=\"0 0 0\" rpy=\"0 -90 0\"/>", "a", "c",
+     "small.urdf:4: rpy is '0 -90 0', more than a whole turn, expected radians; is it in degrees?"},
     {"HugeOrigin", "<child link=\"c\"/>", "<child link=\"c\"/><origin xyz=\"1e308 0 0\"/>", "a", "c", "an arm in millimetres?"},
     {"HugeMass", "<link name=\"c\"/>",
      "\n<link name=\"c\"><inertial><mass value=\"1e300\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "

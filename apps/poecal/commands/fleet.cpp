@@ -1,4 +1,6 @@
 // poecal fleet: the results of many captures in one table.
+#include <set>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -86,6 +88,15 @@ std::vector<std::string> requireResults(const std::vector<ResultSummary>& result
   return failed;
 }
 
+void requireDifferent(const std::vector<std::filesystem::path>& folders) {
+  std::set<std::filesystem::path> seen;
+  for (const std::filesystem::path& folder : folders) {
+    if (!seen.insert(std::filesystem::weakly_canonical(folder / "")).second) {
+      throw InvalidArgument(fmt::format("{} is named twice, expected each folder once", folder.string()));
+    }
+  }
+}
+
 }  // namespace
 
 std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
@@ -99,6 +110,7 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
   app.add_option("--page", options->page, "A page with a small picture of every capture to write too (fleet.html)");
   app.footer(kExample);
   return [options, &common] {
+    requireDifferent(options->folders);
     std::vector<std::filesystem::path> inputs;
     for (const std::filesystem::path& folder : options->folders) {
       for (const char* name : {"registration.yaml", "identification.json", "diagnosis.json", "model.yaml", "camera.yaml", "detections.csv",

@@ -12,8 +12,8 @@ namespace poecal {
 
 struct BoardPictures {
   Target target;
-  std::vector<BoardView> views;    ///< one per picture, sorted by name; without points where the board was not found
-  std::vector<PictureNote> notes;  ///< as detect() gives them
+  std::vector<BoardView> views;    ///< one per picture, sorted by name; without points where the board was not found, and of a copy
+  std::vector<PictureNote> notes;  ///< as detect() gives them; and of every copy of another picture, which is left out
   int width = 0, height = 0;       ///< of the pictures
 };
 

@@ -1,0 +1,101 @@
+// Mistakes in a target that lists single points.
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "poecal/registration/target_pose.hpp"
+#include "registration/mistakes.hpp"
+
+namespace poecal {
+namespace {
+
+constexpr std::size_t kMostPoints = 12;  // sixty-six pairs are tried within a second
+constexpr std::size_t kFewestPictures = 4;
+constexpr int kSteps = 10;
+
+/// The points that are listed, by their numbers; empty where the target is one of tags or a board.
+std::map<int, Eigen::Vector3d> listedPoints(const std::vector<Observation>& observations) {
+  std::map<int, Eigen::Vector3d> points;
+  for (const Observation& observation : observations) {
+    for (const CornerMeasurement& corner : observation.corners) {
+      if (corner.id.tag < 0 || corner.id.corner != 0) return {};
+      points[corner.id.tag] = corner.p_target;
+    }
+  }
+  return points;
+}
+
+/// The points as they may be instead.
+Mistake mistakeOfPoints(std::string text, std::map<int, Eigen::Vector3d> points) {
+  return {std::move(text), InputPart::kTarget, [points = std::move(points)](Problem& changed) {
+            for (Observation& observation : changed.observations) {
+              for (CornerMeasurement& corner : observation.corners) corner.p_target = points.at(corner.id.tag);
+            }
+            renewPictures(changed);
+          }};
+}
+
+/// Where the pictures show a point, posed by the other points of each.
+std::optional<Eigen::Vector3d> placeByTheOthers(const Problem& problem, int point, Eigen::Vector3d p) {
+  std::vector<std::pair<Eigen::Isometry3d, Eigen::Vector2d>> sights;
+  for (const Observation& observation : problem.observations) {
+    Observation others = observation;
+    std::erase_if(others.corners, [&](const CornerMeasurement& corner) { return corner.id.tag == point; });
+    if (others.corners.size() == observation.corners.size()) continue;
+    const std::vector<TargetPose> poses = targetPoses(*problem.cell.camera, others);
+    if (poses.empty()) continue;
+    for (const CornerMeasurement& corner : observation.corners) {
+      if (corner.id.tag == point) sights.emplace_back(poses.front().T_camera_target, corner.px);
+    }
+  }
+  if (sights.size() < kFewestPictures) return std::nullopt;
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const auto& [T, px] : sights) {
+      const auto seen = projectWithJacobians(*problem.cell.camera, T * p);
+      if (!seen) continue;
+      const Eigen::Matrix<double, 2, 3> J = seen->J_px_p * T.linear();
+      A += J.transpose() * J;
+      b += J.transpose() * (px - seen->px);
+    }
+    const Eigen::Vector3d change = A.ldlt().solve(b);
+    if (!change.allFinite()) return std::nullopt;
+    p += change;
+  }
+  return p;
+}
+
+}  // namespace
+
+std::vector<Mistake> pointMistakes(const Problem& problem, const std::vector<Observation>& all) {
+  const std::map<int, Eigen::Vector3d> stated = listedPoints(all);
+  std::vector<Mistake> mistakes;
+  if (stated.size() < 4 || stated.size() > kMostPoints) return mistakes;
+  for (auto a = stated.begin(); a != stated.end(); ++a) {
+    for (auto b = std::next(a); b != stated.end(); ++b) {
+      std::map<int, Eigen::Vector3d> exchanged = stated;
+      std::swap(exchanged[a->first], exchanged[b->first]);
+      mistakes.push_back(mistakeOfPoints(fmt::format("the points {} and {} look exchanged", a->first, b->first), std::move(exchanged)));
+    }
+  }
+  // With one axis reversed, or two exchanged, points in space are their mirror image, and no pose makes one of the other.
+  std::map<int, Eigen::Vector3d> mirrored = stated;
+  for (auto& [id, p] : mirrored) p.x() = -p.x();
+  mistakes.push_back(mistakeOfPoints("the points look mirrored: one axis has the wrong sign, or two are exchanged", std::move(mirrored)));
+  for (const auto& [id, p] : stated) {
+    const auto place = placeByTheOthers(problem, id, p);
+    if (!place) continue;
+    std::map<int, Eigen::Vector3d> moved = stated;
+    moved[id] = *place;
+    mistakes.push_back(mistakeOfPoints(fmt::format("the point {} looks to lie at [{:.4f}, {:.4f}, {:.4f}], {:.1f} mm from its stated place",
+                                                   id, place->x(), place->y(), place->z(), 1e3 * (*place - p).norm()),
+                                       std::move(moved)));
+  }
+  return mistakes;
+}
+
+}  // namespace poecal
