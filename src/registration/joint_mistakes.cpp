@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -11,6 +12,8 @@ namespace {
 
 /// All subsets of so many joints are tried with the other sign; beyond it single ones, pairs, and all.
 constexpr int kAllSubsets = 7;
+constexpr int kSignsOfPairs = 2;  // joints that count the other way beside another mistake
+constexpr std::array kZeros{90, -90, 180};
 
 using Readings = std::function<void(Eigen::VectorXd&)>;
 
@@ -52,9 +55,10 @@ void addUnits(const Arm& arm, std::vector<Mistake>& mistakes) {
                                        }));
 }
 
-void addSigns(int count, std::vector<Mistake>& mistakes) {
+/// @param most  joints at once.
+void addSigns(int count, int most, std::vector<Mistake>& mistakes) {
   std::vector<std::vector<int>> subsets;
-  for (int size = 1; size <= count; ++size) {
+  for (int size = 1; size <= std::min(count, most); ++size) {
     if (count > kAllSubsets && size > 2 && size < count) continue;
     std::vector<bool> chosen(static_cast<std::size_t>(count), false);
     std::fill(chosen.begin(), chosen.begin() + size, true);
@@ -117,7 +121,7 @@ void addOrders(const Arm& arm, std::vector<Mistake>& mistakes) {
 void addZeros(const Arm& arm, std::vector<Mistake>& mistakes) {
   for (int k = 0; k < arm.jointCount(); ++k) {
     if (arm.joints[static_cast<std::size_t>(k)].type != JointType::kRevolute) continue;
-    for (const int degrees : {90, -90, 180}) {
+    for (const int degrees : kZeros) {
       mistakes.push_back(mistakeOfReadings(fmt::format("the zero of q{} is off by {} degrees", k + 1, degrees),
                                            [k, degrees](Eigen::VectorXd& q) { q(k) -= degrees * M_PI / 180.0; }));
     }
@@ -137,13 +141,43 @@ void addCouplings(const Arm& arm, std::vector<Mistake>& mistakes) {
   }
 }
 
+/// One mistake put right, then the other.
+Mistake both(const Mistake& first, const Mistake& second) {
+  return {first.text + ", and " + second.text, InputPart::kSamples,
+          [first = first.undo, second = second.undo](Problem& problem) {
+            first(problem);
+            second(problem);
+          },
+          false};
+}
+
 }  // namespace
+
+std::vector<Mistake> jointMistakePairs(const Problem& problem) {
+  std::vector<Mistake> pairs;
+  if (!problem.cell.arm) return pairs;
+  const Arm& arm = *problem.cell.arm;
+  std::vector<Mistake> orders, signs, zeros;
+  addOrders(arm, orders);
+  addSigns(arm.jointCount(), kSignsOfPairs, signs);
+  addZeros(arm, zeros);
+  for (const Mistake& sign : signs) {
+    for (const Mistake& order : orders) pairs.push_back(both(order, sign));
+    for (const Mistake& zero : zeros) pairs.push_back(both(sign, zero));
+  }
+  for (std::size_t a = 0; a < zeros.size(); ++a) {
+    for (std::size_t b = a + 1; b < zeros.size(); ++b) {
+      if (a / kZeros.size() != b / kZeros.size()) pairs.push_back(both(zeros[a], zeros[b]));
+    }
+  }
+  return pairs;
+}
 
 std::vector<Mistake> jointMistakes(const Problem& problem) {
   std::vector<Mistake> mistakes;
   if (!problem.cell.arm) return mistakes;
   addUnits(*problem.cell.arm, mistakes);
-  addSigns(problem.cell.arm->jointCount(), mistakes);
+  addSigns(problem.cell.arm->jointCount(), problem.cell.arm->jointCount(), mistakes);
   addOrders(*problem.cell.arm, mistakes);
   addZeros(*problem.cell.arm, mistakes);
   addCouplings(*problem.cell.arm, mistakes);

@@ -26,6 +26,8 @@ inline std::string asLikely(const std::string& other) { return other.empty() ? "
 
 /// Of joint readings: units, signs, exchanged columns, zeros. None without an arm.
 std::vector<Mistake> jointMistakes(const Problem& problem);
+/// Two of them at once: exchanged columns and signs, signs and zeros, zeros of two joints. Some six hundred for six joints.
+std::vector<Mistake> jointMistakePairs(const Problem& problem);
 /// Of poses, those of the flange where there is no arm, or those of an instrument: units, quaternions, Euler angles, inverses.
 std::vector<Mistake> poseMistakes(const Problem& problem);
 /// Poses of the flange that are inverted, of some rows beside others: a whole capture of them is one of the other setup.

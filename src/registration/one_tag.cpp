@@ -21,6 +21,8 @@ constexpr std::size_t kFewestTags = 2, kMostTags = 8;
 constexpr std::size_t kRows = 16, kFewestRows = 4;
 // What no ruler and no printer makes of one tag beside others; turns in radians.
 constexpr double kOtherSize = 0.03, kOtherPlace = 0.1, kOtherTurn = 0.1;
+// Nearer by than this share of its size it is an effect of the target, which a diagnosis measures where there is an arm.
+constexpr double kOtherPlaceOfArms = 0.5;
 constexpr double kSurely = 6.0;  // standard deviations
 constexpr double kMends = 0.3;   // of what free poses leave as stated
 constexpr int kTagCorners = 4;
@@ -111,7 +113,8 @@ struct Difference {
   bool is_moved = false;  ///< it lies elsewhere
 };
 
-Difference describe(const FittedChange& fitted, double size) {
+/// @param elsewhere  beyond such a share of its size it lies elsewhere.
+Difference describe(const FittedChange& fitted, double size, double elsewhere) {
   const auto surely = [&](Eigen::Index k, double usual) { return std::abs(fitted.change(k)) > std::max(usual, kSurely * fitted.sigma(k)); };
   Difference difference;
   const auto add = [&difference](const std::string& what) { difference.text += (difference.text.empty() ? "" : ", ") + what; };
@@ -119,7 +122,7 @@ Difference describe(const FittedChange& fitted, double size) {
     const double more = fitted.change(0);
     add(fmt::format("{:.1f} % {} than stated", 100.0 * std::abs(more), more > 0.0 ? "larger" : "smaller"));
   }
-  difference.is_moved = surely(1, kOtherPlace * size) || surely(2, kOtherPlace * size);
+  difference.is_moved = surely(1, elsewhere * size) || surely(2, elsewhere * size);
   if (difference.is_moved) add(fmt::format("{:.3g} mm from its stated place", 1e3 * std::hypot(fitted.change(1), fitted.change(2))));
   if (surely(3, kOtherTurn)) add(fmt::format("turned by {:.3g} degrees", fitted.change(3) * 180.0 / M_PI));
   return difference;
@@ -137,19 +140,9 @@ bool isFarFrom(const FittedChange& fitted, const std::map<int, std::map<int, Eig
 
 struct OtherTag {
   int tag = 0;
-  Difference difference;
-  double left = 0.0;               ///< by free poses once it is taken as it looks [px]
-  std::optional<int> as_likely{};  ///< of two tags, the other one
+  std::string text;
+  double left = 0.0;  ///< by free poses once it is taken as it looks [px]
 };
-
-/// Of many tags the others say which is wrong. Of two each is wrong in the other's eyes: one of another size looks, seen from it, as if its
-/// neighbour had another size and another place, so the simpler change is the mistake.
-OtherTag betterOf(OtherTag a, OtherTag b, bool are_all) {
-  if (!are_all) return b.left < a.left ? b : a;
-  if (a.difference.is_moved != b.difference.is_moved) return a.difference.is_moved ? b : a;
-  a.as_likely = b.tag;
-  return a;
-}
 
 std::size_t posed(const Problem& problem) {
   return static_cast<std::size_t>(std::count_if(problem.samples.begin(), problem.samples.end(),
@@ -177,8 +170,11 @@ void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observ
     const TagPlane plane = TagPlane::of(corners);
     const auto fitted = fitChange(*cell.camera, few.observations, tag, plane);
     if (!fitted) continue;
-    OtherTag other{tag, describe(*fitted, plane.size), 0.0, std::nullopt};
-    if (other.difference.text.empty() || isFarFrom(*fitted, tags, plane)) continue;
+    const Difference difference = describe(*fitted, plane.size, cell.arm ? kOtherPlaceOfArms : kOtherPlace);
+    if (difference.text.empty() || isFarFrom(*fitted, tags, plane)) continue;
+    // Of two, one that lies elsewhere says as much of the other: an effect of the target. And one beside a neighbour of another size looks,
+    // seen from that, as if it lay elsewhere.
+    if (tags.size() == kFewestTags && difference.is_moved) continue;
     Problem altered = few;
     for (Observation& observation : altered.observations) {
       for (CornerMeasurement& corner : observation.corners) {
@@ -186,17 +182,15 @@ void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observ
       }
     }
     renewPictures(altered);
-    other.left = freeMisfit(altered.samples);
-    if (!(other.left < kMends * stated) || posed(altered) < posed(few)) continue;
-    if (best) other = betterOf(std::move(*best), std::move(other), tags.size() == kFewestTags);
-    best = std::move(other);
+    const double left = freeMisfit(altered.samples);
+    if (!(left < (best ? best->left : kMends * stated)) || posed(altered) < posed(few)) continue;
+    best = OtherTag{tag, difference.text, left};
   }
   if (!best) return;
   throw ImplausibleCapture(
-      fmt::format("tag {} does not fit the layout of the others: it looks {}{} (so, the target fits to {:.3g} px instead of {:.3g} with a "
-                  "pose of its own in each picture)",
-                  best->tag, best->difference.text, best->as_likely ? fmt::format(", or tag {} is the wrong one", *best->as_likely) : "",
-                  best->left, stated),
+      fmt::format("tag {} does not fit the layout of the others: it looks {} (so, the target fits to {:.3g} px instead "
+                  "of {:.3g} with a pose of its own in each picture)",
+                  best->tag, best->text, best->left, stated),
       InputPart::kTarget);
 }
 

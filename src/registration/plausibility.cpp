@@ -50,6 +50,8 @@ namespace {
 constexpr double kSuspicious = 0.04;
 // Half of what random pairings leave: then readings and pictures have next to nothing to do with each other.
 constexpr double kHopeless = 0.5;
+// With the arm's axes free effects of any size leave up to seven per cent (190 cells of the withheld world, raw errors to 100 px).
+constexpr double kHopelessOfArms = 0.2;
 // Poses of the flange have no gains and no zeros that are off: nominal arms leave a per cent or two of it, soft and worn ones some more.
 constexpr double kHopelessOfPoses = 0.2;
 // A mistake explains a registration where undoing it leaves this share, and less of what random pairings leave than this.
@@ -134,6 +136,9 @@ class MistakeSearch {
 
   /// The arm's own errors explain everything, down to such a misfit.
   bool armExplains(double misfit) const { return calibrated_.misfit <= misfit && calibrated_.deviation <= kOtherArm; }
+
+  /// With the arm's own errors taken out no more is left than this share of what random pairings leave.
+  bool armExplainsTo(double share) const { return few_.cell.arm && calibrated_.misfit <= share * chance_; }
 
   /// Every mistake by its hypotheses alone; the best of them adjusted.
   void tryAll(const std::vector<Mistake>& mistakes) {
@@ -292,8 +297,13 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
     refuse(suspicionOf(*moved, few), stated);
   }
   if (search.best()) refuse(*search.best(), stated);
-  const double hopeless = cell.arm ? kHopeless : kHopelessOfPoses;
-  if (std::isfinite(found.misfit) && found.misfit < hopeless * chance) return;
+  if (!search.armExplainsTo(kSuspicious)) {
+    search.tryAll(jointMistakePairs(few));
+    if (search.best()) refuse(*search.best(), stated);
+  }
+  const bool hopeless =
+      cell.arm ? found.misfit >= kHopeless * chance || !search.armExplainsTo(kHopelessOfArms) : found.misfit >= kHopelessOfPoses * chance;
+  if (std::isfinite(found.misfit) && !hopeless) return;
   throw ImplausibleCapture(
       fmt::format("no registration explains most of the pictures (the best leaves {}, as rows that have nothing to do "
                   "with them would): expected readings, robot and pictures that belong together",

@@ -122,12 +122,14 @@ TEST(Plausibility, OneTagOfSeveralThatIsNotAsStatedIsNamed) {
                 HasSubstr("tag 1 does not fit the layout of the others: it looks 12.0 % larger than stated"));
     EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return middle + 0.95 * (p - middle); }),
                 HasSubstr("tag 1 does not fit the layout of the others: it looks 5.0 % smaller than stated"));
-    EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + Eigen::Vector3d(0.006, 0.008, 0.0); }),
-                HasSubstr("tag 1 does not fit the layout of the others: it looks 10 mm from its stated place"));
-    // A hundredth of its size is what cutting and glueing leave: an effect like others.
-    const MadeCapture cut =
-        withFourTags(good, 1, [](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + Eigen::Vector3d(5e-4, 0, 0); });
-    EXPECT_FALSE(said(cut).refused);
+    EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + Eigen::Vector3d(0.018, 0.024, 0.0); }),
+                HasSubstr("tag 1 does not fit the layout of the others: it looks 30 mm from its stated place"));
+    // A hundredth of its size is what cutting and glueing leave, a fifth a slip in the file: effects like others, whose size is told.
+    for (const double off : {5e-4, 0.01}) {
+      const MadeCapture cut =
+          withFourTags(good, 1, [off](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + Eigen::Vector3d(off, 0, 0); });
+      EXPECT_FALSE(said(cut).refused) << off << ": " << said(cut).message;
+    }
   }
 }
 
@@ -170,8 +172,7 @@ TEST(Plausibility, OfTwoTagsTheOneOfAnotherSizeIsNamed) {
     for (auto& [id, p] : elsewhere) {
       if (id.tag == 1) p.y() += 0.01;
     }
-    EXPECT_THAT(said(withPoints(good, stated, elsewhere)).message,
-                ::testing::ContainsRegex("tag 0 .* looks (9.9|10.)[0-9]? mm from its stated place, or tag 1 is the wrong one .so"));
+    EXPECT_FALSE(said(withPoints(good, stated, elsewhere)).refused) << "an effect of the target";
   }
 }
 

@@ -104,6 +104,10 @@ void addOfJoints(const Arm& arm, std::vector<std::tuple<std::string, std::string
     list.emplace_back("alphabet", "q1 and q3 are exchanged", ofReadings([](Eigen::VectorXd& q) { std::swap(q(0), q(2)); }));
   }
   list.emplace_back("exchanged", "q2 and q4 are exchanged", ofReadings([](Eigen::VectorXd& q) { std::swap(q(1), q(3)); }));
+  list.emplace_back("exchanged and reversed", "exchanged, and q", ofReadings([](Eigen::VectorXd& q) {
+                      std::swap(q(1), q(3));
+                      q(2) = -q(2);
+                    }));
   list.emplace_back("zero", "the zero of q2 is off by 90 degrees", ofReadings([](Eigen::VectorXd& q) { q(1) += M_PI_2; }));
   if (revolute(1)) {
     list.emplace_back("one in degrees", "q2 looks like degrees", ofReadings([](Eigen::VectorXd& q) { q(1) *= 180.0 / M_PI; }));
