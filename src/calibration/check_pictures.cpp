@@ -132,9 +132,12 @@ void sayDetections(const Capture& capture, CheckList& list) {
   const Target* reference = capture.reference ? &*capture.reference : nullptr;
   std::optional<ImageSize> size;
   if (capture.camera && capture.camera->width > 0) size = ImageSize{capture.camera->width, capture.camera->height};
-  const Detections detections = readDetections(capture.detections_file, capture.target, reference, size);
+  Detections detections = readDetections(capture.detections_file, capture.target, reference, size);
   for (const std::string& warning : checkImagesMeet(capture.table, detections, capture.detections_file)) {
     list.add(CheckLevel::kAdvice, "corners", warning);
+  }
+  for (ImageCorners& image : detections.images) {
+    std::erase_if(image.corners, [&capture](const Corner& corner) { return capture.target.find(corner.id) == nullptr; });
   }
   std::size_t corners = 0, pictures = 0;
   for (const ImageCorners& image : detections.images) {

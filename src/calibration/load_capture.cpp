@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "calibration/kept_result.hpp"
+#include "calibration/reference_remarks.hpp"
 #include "calibration/row_contradictions.hpp"
 #include "poecal/calibration/board_folder.hpp"
 #include "poecal/calibration/outputs.hpp"
@@ -121,6 +122,7 @@ LoadedCapture loadCapture(const CaptureSource& source, const std::filesystem::pa
   loaded.nominal.registration.setup = capture.setup;
   if (!capture.registration_file.empty()) readKnownRegistration(capture.registration_file, loaded.nominal.registration);
   loaded.measurements = measurementsOf(capture, detectionsOf(capture, *loaded.nominal.camera, out, jobs, listener));
+  if (capture.reference && capture.setup == Setup::kEyeToHand) listener.warnings(remarksOnReference(loaded.measurements.observations));
   if (loaded.measurements.observations.empty()) {
     throw InsufficientData(
         fmt::format("{}: none of the {} samples has corners of the target", capture.folder.string(), capture.table.samples.size()));

@@ -100,7 +100,7 @@ Detections readDetections(const std::filesystem::path& file, const Target& targe
     }
     const std::size_t index = entry_of_image.emplace(name, detections.images.size()).first->second;
     if (index == detections.images.size()) detections.images.push_back({name, {}});
-    if (!others) detections.images[index].corners.push_back(entry);
+    detections.images[index].corners.push_back(entry);
   }
   for (ImageCorners& entry : detections.images) {
     std::sort(entry.corners.begin(), entry.corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });

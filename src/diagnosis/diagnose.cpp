@@ -10,6 +10,7 @@
 #include "capture/reading_steps.hpp"
 #include "diagnosis/found_model.hpp"
 #include "diagnosis/ladder.hpp"
+#include "diagnosis/reference_check.hpp"
 #include "diagnosis/selection.hpp"
 #include "diagnosis/telling.hpp"
 #include "diagnosis/thresholds.hpp"
@@ -247,6 +248,10 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
         fmt::format("{} poses are too few to tell an effect from the arm's own geometry: at least {} are needed, 40 or more are advised",
                     measured.groups.size(), kFewestPoses));
   }
+  const std::string wandering = referenceContradiction(identification.model.cell, measured.observations);
+  if (!wandering.empty()) {
+    for (Observation& observation : measured.observations) observation.reference.clear();
+  }
   const ModelState state = identifiedState(identification, measured);
   const std::vector<std::size_t> wild = grosslyWild(identification, measured);
   // A curve of unknown shape that does not serve poses which it did not see is none that could be told of, nor is what came after it. Where
@@ -275,6 +280,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       tellExplained(selection, diagnosis);
       tellModel(selection, identification, diagnosis);
       tellContradictions(selection, diagnosis);
+      if (!wandering.empty()) diagnosis.warnings.push_back(wandering);
       tellBad(selection, measurements.observations, measurements.samples, diagnosis);
       // A name that was refused remains one where nothing else was found in its place.
       if (selection.findings.empty()) possibilities.insert(possibilities.end(), refused.begin(), refused.end());

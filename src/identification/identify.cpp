@@ -327,6 +327,8 @@ class Identifier {
     result.unseen = fit.adjustment.unseen;
     result.sigmas_stated = sigmas_stated_;
     result.scale = fit.adjustment.scale;
+    const std::string stated = sigmas_stated_ ? statedDeviationsWarning(result.scale, corners_) : "";
+    if (!stated.empty()) result.warnings.push_back(stated);
     result.reduced_chi_square = fit.adjustment.reducedChiSquare();
     result.degrees_of_freedom = fit.adjustment.degrees_of_freedom;
     if (!corners_) {

@@ -61,6 +61,13 @@ std::vector<std::string> deviationWarnings(const Arm& nominal, const std::vector
   return warnings;
 }
 
+std::string statedDeviationsWarning(double scale, bool corners) {
+  constexpr double kOtherUnit = 30.0;
+  if (!(scale > 0.0) || kOtherUnit * scale > 1.0) return "";
+  return fmt::format("the stated deviations of the {} are {:.0f} times what the fit leaves: are they in {}?", corners ? "corners" : "poses",
+                     1.0 / scale, corners ? "pixels" : "metres and radians");
+}
+
 std::vector<std::string> gaugeRemarks(const Arm& nominal, const MethodFit& fit, bool registered) {
   std::vector<std::string> remarks;
   for (std::size_t k = 0; k < nominal.joints.size(); ++k) {

@@ -15,6 +15,10 @@ std::vector<SuspectRow> suspectRows(const MethodFit& fit, const Cell& cell, cons
 std::vector<std::string> deviationWarnings(const Arm& nominal, const std::vector<JointDeviation>& deviations,
                                            const IdentifyOptions& options);
 
+/// Whether deviations were stated that are thirty times what the fit leaves, or more: of another unit. Empty where not. Smaller ones than
+/// that nobody tells from a gap. @param scale  what is left, of what was stated
+std::string statedDeviationsWarning(double scale, bool corners);
+
 /// What no data of this kind can tell, by name, and how it was fixed.
 std::vector<std::string> gaugeRemarks(const Arm& nominal, const MethodFit& fit, bool registered);
 

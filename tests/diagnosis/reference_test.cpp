@@ -71,6 +71,23 @@ TEST(Reference, ACellWithoutFlawsStaysOne) {
   EXPECT_THAT(small.diagnosis().findings, SizeIs(0));
 }
 
+/// Tags on a cart, or on the arm: nothing of what they say holds, and the findings are those of a capture without them.
+TEST(Reference, ThatWandersIsSaidAndNotUsed) {
+  test::SmallCell small = test::smallCell(2, kPoses, kSigma, {kCameraSlip});
+  const Diagnosis without = small.diagnosis();
+  addReference(small, still, kSigma);
+  for (std::size_t k = 0; k < small.observations.size(); ++k) {
+    for (CornerMeasurement& corner : small.observations[k].reference) corner.px.x() += 8.0 * static_cast<double>(k);
+  }
+  const Diagnosis diagnosis = small.diagnosis();
+  EXPECT_THAT(diagnosis.warnings, ::testing::Contains(HasSubstr("it does not stand still beside the arm, and is not used")));
+  ASSERT_THAT(diagnosis.findings, SizeIs(without.findings.size()));
+  for (std::size_t k = 0; k < without.findings.size(); ++k) {
+    EXPECT_EQ(diagnosis.findings[k].effect, without.findings[k].effect);
+    EXPECT_EQ(diagnosis.findings[k].probability, without.findings[k].probability);
+  }
+}
+
 /// A small slip of the camera and one of a joint look alike in the target. The reference tells them apart.
 TEST(ReferenceStatistics, LeavesNoDoubtOfASmallSlip) {
   const auto motion = [](const Sample& sample) {

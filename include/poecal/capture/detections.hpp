@@ -46,7 +46,7 @@ constexpr double kMostPixels = 2e8;  ///< larger pictures are not read: no camer
 /// @throws FileError with the line: not a number, a corner that the target does not have (say which tags it has), the same corner of a
 /// picture twice, a sigma that is not positive, a corner that lies outside of its picture by more than 1 % of the picture's side: it was
 /// taken from pictures of another size, or is no corner. Columns beyond the contract's are passed over.
-/// @param also_in_view  a second target (a reference) whose corners the file may hold too: they are left out here. nullptr: none.
+/// @param also_in_view  a second target (a reference) whose corners the file may hold too: they stand beside the target's. nullptr: none.
 /// @param size          of the pictures; nothing: not known, and every corner within 1e6 px may be one.
 Detections readDetections(const std::filesystem::path& file, const Target& target, const Target* also_in_view = nullptr,
                           const std::optional<ImageSize>& size = std::nullopt);
