@@ -136,6 +136,7 @@ void sayDetections(const Capture& capture, CheckList& list) {
   for (const std::string& warning : checkImagesMeet(capture.table, detections, capture.detections_file)) {
     list.add(CheckLevel::kAdvice, "corners", warning);
   }
+  for (const std::string& remark : remarksOnCorners(capture.detections_file, detections)) list.add(CheckLevel::kAdvice, "corners", remark);
   for (ImageCorners& image : detections.images) {
     std::erase_if(image.corners, [&capture](const Corner& corner) { return capture.target.find(corner.id) == nullptr; });
   }

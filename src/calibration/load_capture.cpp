@@ -43,6 +43,7 @@ Detections detectionsOf(const Capture& capture, const Camera& camera, const std:
     Detections detections = readDetections(capture.detections_file, capture.target, reference, ImageSize{camera.width, camera.height});
     listener.warnings(checkImagesMeet(capture.table, detections, capture.detections_file));
     listener.warnings(compareCornersOfPictures(capture.table, detections));
+    listener.warnings(remarksOnCorners(capture.detections_file, detections));
     return detections;
   }
   listener.warnings(compareBytesOfPictures(capture, listener.progressFunction()));

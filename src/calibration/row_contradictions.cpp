@@ -192,8 +192,26 @@ std::vector<std::string> compareCornersOfPictures(const SampleTable& table, cons
   return remarks;
 }
 
+std::vector<std::string> remarksOnCorners(const std::filesystem::path& file, const Detections& detections) {
+  constexpr double kFew = 0.1;  // by chance next to none does
+  constexpr std::size_t kFewest = 20;
+  std::size_t corners = 0, whole = 0;
+  for (const ImageCorners& image : detections.images) {
+    for (const Corner& corner : image.corners) {
+      ++corners;
+      whole += corner.px == Eigen::Vector2d(corner.px.array().round());
+    }
+  }
+  if (whole < kFewest || static_cast<double>(whole) <= kFew * static_cast<double>(corners)) return {};
+  return {
+      fmt::format("{}: {} of {} corners lie at whole pixels: rounding takes 0.3 px from each, expected corners as exact as the picture "
+                  "gives them",
+                  file.string(), whole, corners)};
+}
+
 std::vector<std::string> remarksOnRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm) {
   std::vector<std::string> remarks = stampRemarks(file, samples);
+  for (std::string& remark : temperatureRemarks(file, samples)) remarks.push_back(std::move(remark));
   if (arm == nullptr) return remarks;
   for (std::string& remark : turnRemarks(file, samples, *arm)) remarks.push_back(std::move(remark));
   const Rounding rounding = roundingOf(*arm, samples);

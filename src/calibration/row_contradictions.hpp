@@ -25,7 +25,10 @@ std::vector<std::string> compareBytesOfPictures(const Capture& capture, const Pr
 /// equal too: single ones a calibration leaves out.
 std::vector<std::string> compareCornersOfPictures(const SampleTable& table, const Detections& detections);
 
-/// What rows say against each other, or lack: stamps, whole turns, readings that were rounded coarsely.
+/// Corners that were rounded to whole pixels, of all or of some pictures. One sentence at most.
+std::vector<std::string> remarksOnCorners(const std::filesystem::path& file, const Detections& detections);
+
+/// What rows say against each other, or lack: stamps, temperatures, whole turns, readings that were rounded coarsely.
 /// @param arm  nullptr where there are no joint readings.
 std::vector<std::string> remarksOnRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm);
 

@@ -167,6 +167,25 @@ std::vector<std::string> stampRemarks(const std::filesystem::path& file, const s
   return remarks;
 }
 
+std::vector<std::string> temperatureRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples) {
+  constexpr double kHottest = 150.0, kJump = 25.0;  // [degrees Celsius]; no joint is hotter, and none heats so between two pictures
+  const Sample* before = nullptr;
+  for (const Sample& sample : samples) {
+    if (!sample.temperature) continue;
+    const bool jumps = before != nullptr && std::abs(*sample.temperature - *before->temperature) > kJump;
+    if (jumps) {
+      return {fmt::format("{}:{}: temperature is {:.6g} here and {:.6g} in line {}, expected one unit, degrees Celsius", file.string(),
+                          sample.line, *sample.temperature, *before->temperature, before->line)};
+    }
+    if (*sample.temperature > kHottest) {
+      return {fmt::format("{}:{}: temperature is {:.6g}, expected degrees Celsius; is it in kelvin?", file.string(), sample.line,
+                          *sample.temperature)};
+    }
+    before = &sample;
+  }
+  return {};
+}
+
 std::vector<std::string> turnRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   constexpr std::size_t kFewest = 6;  // fewer lie within half a turn by chance

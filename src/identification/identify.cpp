@@ -111,6 +111,7 @@ class Identifier {
     }
     result_.warnings.insert(result_.warnings.end(), choice.warnings.begin(), choice.warnings.end());
     report(std::move(choice.judged), result_);
+    requireExplained(*cell_.arm, observations_, result_.stages.back().calibration);
     return std::move(result_);
   }
 

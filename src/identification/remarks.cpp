@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "cell/transform_names.hpp"
+#include "poecal/registration/implausible.hpp"
 #include "poecal/registration/registration.hpp"
 
 namespace poecal {
@@ -35,6 +36,20 @@ std::vector<SuspectRow> suspectRows(const MethodFit& fit, const Cell& cell, cons
     rows.push_back(row);
   }
   return rows;
+}
+
+void requireExplained(const Arm& nominal, const std::vector<Observation>& observations, const ErrorSummary& errors) {
+  constexpr double kShare = 0.5, kLeast = 0.1;
+  Eigen::Matrix3Xd flange(3, static_cast<Eigen::Index>(observations.size()));
+  for (Eigen::Index k = 0; k < flange.cols(); ++k) {
+    flange.col(k) = forwardKinematics(nominal, observations[static_cast<std::size_t>(k)].q).translation();
+  }
+  const double apart = std::sqrt((flange.colwise() - flange.rowwise().mean()).colwise().squaredNorm().mean());
+  if (!(errors.position.median > std::max(kLeast, kShare * apart))) return;
+  throw ImplausibleCapture(
+      fmt::format("with the arm identified its flange is still {:.0f} mm from where it was measured (median), of poses that lie {:.0f} mm "
+                  "about their middle: expected readings, robot and measurements that belong together",
+                  1e3 * errors.position.median, 1e3 * apart));
 }
 
 std::vector<std::string> deviationWarnings(const Arm& nominal, const std::vector<JointDeviation>& deviations,

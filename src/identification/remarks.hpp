@@ -11,6 +11,11 @@ namespace poecal {
 /// Rows of which some corner, or the pose, lost weight. @param fitted  what the fit saw: the observations, or measured flange poses.
 std::vector<SuspectRow> suspectRows(const MethodFit& fit, const Cell& cell, const std::vector<Observation>& fitted);
 
+/// An arm that is identified from what belongs to it puts the flange to some centimetres of where it was, whatever effects it has.
+/// @param errors  of the poses that it was identified from.
+/// @throws ImplausibleCapture: their median is half of how far the poses lie apart, and 0.1 m.
+void requireExplained(const Arm& nominal, const std::vector<Observation>& observations, const ErrorSummary& errors);
+
 /// What no tolerance makes: the arm is then another than its file says. A zero of 0.03 rad and more, an axis ten tolerances away.
 std::vector<std::string> deviationWarnings(const Arm& nominal, const std::vector<JointDeviation>& deviations,
                                            const IdentifyOptions& options);

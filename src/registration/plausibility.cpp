@@ -265,8 +265,9 @@ void requirePlausible(const Cell& cell, const std::vector<Observation>& observat
   const bool beside = static_cast<double>(rows_beside) > kManyBeside * static_cast<double>(samples.size());
   if (rows_beside == 0 && found.misfit <= floor) return;
   const Problem few = thinned(cell, observations, samples, kSearchedRows);
-  if (const std::optional<WrongRows> wrong = findWrongRows(cell, observations, samples, found.fit.cell.registration, few))
-    refuse(*wrong, observations);
+  const std::optional<WrongRows> wrong = findWrongRows(cell, observations, samples, found.fit.cell.registration, few);
+  // Rows that still leave much of what random pairings do were not put right: all the others are wrong too.
+  if (wrong && !(wrong->misfit > kMendedOfChance * chanceMisfit(few))) refuse(*wrong, observations);
   if (!beside && found.misfit <= floor) return;
   // Fewer poses fit any pictures.
   if (few.observations.size() < 4) return;

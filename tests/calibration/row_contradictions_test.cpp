@@ -5,6 +5,7 @@
 
 #include "diagnosis/small_cell.hpp"
 #include "poecal/core/error.hpp"
+#include "support/random.hpp"
 #include "support/temp_folder.hpp"
 
 namespace poecal {
@@ -129,6 +130,22 @@ TEST(CornersOfRows, ThoseOfOnePictureUnderTwoNamesAreRefusedWhereTheArmMoved) {
   detections.images[3].corners.clear();
   detections.images[1].corners.clear();
   EXPECT_THAT(compareCornersOfPictures(table, detections), IsEmpty()) << "a picture that shows nothing";
+}
+
+TEST(RemarksOnCorners, ThatWereRoundedAreSaid) {
+  Rng rng = test::rngOfThisTest();
+  Detections detections;
+  for (int picture = 0; picture < 20; ++picture) {
+    ImageCorners& image = detections.images.emplace_back();
+    for (int k = 0; k < 4; ++k) image.corners.push_back({{1, k}, {rng.uniform(0.0, 640.0), rng.uniform(0.0, 480.0)}});
+  }
+  detections.images[0].corners[0].px = {12.0, 30.0};
+  EXPECT_THAT(remarksOnCorners("detections.csv", detections), IsEmpty());
+  for (std::size_t picture = 10; picture < 20; ++picture) {
+    for (Corner& corner : detections.images[picture].corners) corner.px = corner.px.array().round();
+  }
+  EXPECT_THAT(remarksOnCorners("detections.csv", detections),
+              ElementsAre(HasSubstr("detections.csv: 41 of 80 corners lie at whole pixels")));
 }
 
 TEST(RemarksOnRows, RoundedReadingsAreSaidWithWhatTheyCost) {

@@ -110,6 +110,19 @@ TEST_F(RowChecks, StampsThatNoClockGivesAreTold) {
   EXPECT_THAT(remarks(), ElementsAre(HasSubstr("are they nanoseconds?")));
 }
 
+TEST_F(RowChecks, TemperaturesOfAnotherUnitAreSaid) {
+  const auto said = [this] { return temperatureRemarks("rows.csv", samples_); };
+  EXPECT_THAT(said(), IsEmpty());
+  for (int row = 0; row < kRows; ++row) samples_[static_cast<std::size_t>(row)].temperature = 20.0 + 3.0 * row;
+  EXPECT_THAT(said(), IsEmpty()) << "an arm that warms up";
+  samples_[2].temperature.reset();
+  EXPECT_THAT(said(), IsEmpty());
+  for (std::size_t row = 3; row < samples_.size(); ++row) samples_[row].temperature = 32.0 + 1.8 * *samples_[row].temperature;
+  EXPECT_THAT(said(), ElementsAre("rows.csv:5: temperature is 84.2 here and 23 in line 3, expected one unit, degrees Celsius"));
+  for (Sample& sample : samples_) sample.temperature = 294.0;
+  EXPECT_THAT(said(), ElementsAre("rows.csv:2: temperature is 294, expected degrees Celsius; is it in kelvin?"));
+}
+
 TEST_F(RowChecks, CountersThatWrapAroundAreSaid) {
   for (int row = 0; row < kRows; ++row) samples_[static_cast<std::size_t>(row)].q(0) = 3.0 + 0.1 * row;
   EXPECT_THAT(turnRemarks("rows.csv", samples_, arm_), IsEmpty());

@@ -8,6 +8,7 @@
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 #include "poecal/effects/catalogue.hpp"
+#include "poecal/registration/implausible.hpp"
 #include "poecal/simulation/simulate.hpp"
 #include "support/matchers.hpp"
 #include "support/random.hpp"
@@ -22,6 +23,16 @@ using test::simulated;
 using ::testing::HasSubstr;
 using ::testing::Property;
 using ::testing::Throws;
+
+TEST(Identify, AnArmThatExplainsNothingIsNone) {
+  Simulated data = simulated("cobot6", 3, 60, 0);
+  std::vector<double> last;
+  for (const Observation& observation : data.calibration) last.push_back(observation.q(5));
+  std::rotate(last.begin(), last.begin() + 1, last.end());
+  // The joint turns about the flange's axis: with its readings a row late every picture is of another turn, and nothing else is wrong.
+  for (std::size_t k = 0; k < last.size(); ++k) data.calibration[k].q(5) = last[k];
+  EXPECT_THAT([&] { identify(data.nominal, data.measurements(), plainBundle()); }, Throws<ImplausibleCapture>());
+}
 
 TEST(Identify, AFifthOfWrongRowsIsListedAndDoesNotMoveTheModel) {
   Simulated data = simulated("cobot6", 3, 60, 0);
