@@ -181,11 +181,11 @@ Climbed climb(const Selection& selection, const MeasuredCell& measured, const Id
     const Rung without = others.empty() ? identified : rungOf("", others, Waves::kChosenAnew);
     const Rung without_kept = others.empty() || choices == 1 ? without : rungOf("", others, Waves::kKept);
     diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : gap.shrinkage(without, all, {}, with_waves);
-    climbed.ratios.push_back(rmsOf(without_kept) / std::max(rmsOf(kept), 1e-12));
+    climbed.ratios.push_back(errorOf(without_kept) / std::max(errorOf(kept), 1e-12));
     climbed.serves.push_back(servesOthers(selection.findings[i], gain(without_kept, kept)));
   }
   constexpr double kWorse = 1.05;
-  climbed.worse = rmsOf(kept) > kWorse * rmsOf(identified);
+  climbed.worse = errorOf(kept) > kWorse * errorOf(identified);
   return climbed;
 }
 

@@ -268,10 +268,13 @@ double Gap::lowerEnd(const RungPair& rungs) const {
 
 double rmsOf(const Rung& rung) { return std::sqrt(meanSquare(rung)); }
 
+double errorOf(const Rung& rung) { return rung.whitened.empty() ? rmsOf(rung) : std::sqrt(mean(rung.whitened)); }
+
 double gain(const Rung& before, const Rung& after) {
   double sum = 0.0, squares = 0.0;
   for (std::size_t g = 0; g < before.poses.size(); ++g) {
-    const double difference = before.poses[g].squares - after.poses[g].squares;
+    const double difference =
+        before.whitened.empty() ? before.poses[g].squares - after.poses[g].squares : before.whitened[g] - after.whitened[g];
     sum += difference;
     squares += difference * difference;
   }

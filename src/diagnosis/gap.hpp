@@ -19,6 +19,8 @@ struct Rung {
   std::string stage;
   std::vector<PoseSquares> poses;
   ErrorSummary every_row;  ///< the rows that were set aside among them
+  /// Of poses of an instrument with their orientations: squares in stated deviations, turns among them. Empty for all else.
+  std::vector<double> whitened = {};
 };
 
 /// Two rungs on the same poses.
@@ -75,6 +77,10 @@ class Gap {
 
 /// Root mean square of a rung's points.
 double rmsOf(const Rung& rung);
+
+/// What models are compared by: rmsOf(), or, where turns were measured too, the root mean square of a pose in stated deviations. A tool
+/// that slipped about the point which is measured moves no point.
+double errorOf(const Rung& rung);
 
 /// How much better off these poses themselves are with the one rung than with the other: their mean difference of squares in standard
 /// errors.

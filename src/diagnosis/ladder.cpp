@@ -76,9 +76,13 @@ Rung Ladder::rungOf(const std::string& stage, const std::vector<RowErrors>& rows
   std::map<std::size_t, const RowErrors*> by_number;
   for (const RowErrors& row : rows) by_number[row.index] = &row;
   Rung rung{stage, {}, every_row};
+  const std::optional<PoseMeasurement>& first = selection_.measured.observations.front().pose;
+  const bool turns = first && !first->position_only;
   for (const std::vector<std::size_t>& group : selection_.measured.groups) {
     PoseSquares& pose = rung.poses.emplace_back();
+    if (turns) rung.whitened.push_back(0.0);
     for (const std::size_t k : group) {
+      if (turns) rung.whitened.back() += by_number.at(kept_[k])->whitened_squares;
       for (const double length : by_number.at(kept_[k])->lengths) {
         pose.squares += length * length;
         pose.points += 1.0;

@@ -39,7 +39,13 @@ std::vector<SuspectRow> suspectRows(const MethodFit& fit, const Cell& cell, cons
 }
 
 void requireExplained(const Arm& nominal, const std::vector<Observation>& observations, const ErrorSummary& errors) {
-  constexpr double kShare = 0.5, kLeast = 0.1;
+  constexpr double kShare = 0.5, kLeast = 0.1, kTurn = 1.0;
+  if (errors.rotation.median > kTurn) {
+    throw ImplausibleCapture(
+        fmt::format("with the arm identified its flange is still turned by {:.0f} degrees from how it was measured (median): expected "
+                    "readings, robot and measurements that belong together",
+                    degrees(errors.rotation.median)));
+  }
   Eigen::Matrix3Xd flange(3, static_cast<Eigen::Index>(observations.size()));
   for (Eigen::Index k = 0; k < flange.cols(); ++k) {
     flange.col(k) = forwardKinematics(nominal, observations[static_cast<std::size_t>(k)].q).translation();

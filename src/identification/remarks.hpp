@@ -13,7 +13,7 @@ std::vector<SuspectRow> suspectRows(const MethodFit& fit, const Cell& cell, cons
 
 /// An arm that is identified from what belongs to it puts the flange to some centimetres of where it was, whatever effects it has.
 /// @param errors  of the poses that it was identified from.
-/// @throws ImplausibleCapture: their median is half of how far the poses lie apart, and 0.1 m.
+/// @throws ImplausibleCapture: their median is half of how far the poses lie apart, and 0.1 m; or 1 rad.
 void requireExplained(const Arm& nominal, const std::vector<Observation>& observations, const ErrorSummary& errors);
 
 /// What no tolerance makes: the arm is then another than its file says. A zero of 0.03 rad and more, an axis ten tolerances away.

@@ -8,6 +8,7 @@
 #include "diagnosis/folds.hpp"
 #include "diagnosis/look_alikes.hpp"
 #include "diagnosis/small_cell.hpp"
+#include "poecal/registration/implausible.hpp"
 
 namespace poecal {
 namespace {
@@ -180,6 +181,26 @@ TEST(TwoValues, TellPlayFromScatter) {
   EXPECT_NEAR(twoValues(play, deviations).size, 1e-4, 1e-5);
   EXPECT_LT(twoValues(scatter, deviations).log_odds, -20.0);
 }
+
+/// Poses of an instrument whose tool turns about the very point that is measured, from the middle of the capture on.
+test::SmallCell cellOfATurnedTool(double angle) {
+  test::SmallCell small = test::smallCell(6, 60, 0.1, {});
+  const auto exact = [](const Eigen::VectorXd&) { return 0.0; };
+  test::measurePoses(small, 0, exact, 2e-5);
+  for (std::size_t k = 30; k < small.observations.size(); ++k) {
+    small.observations[k].pose->T_camera_target.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+  }
+  return small;
+}
+
+TEST(Gap, OfATurnedToolCountsThoughNoPointMoved) {
+  const Diagnosis diagnosis = cellOfATurnedTool(0.02).diagnosis();
+  ASSERT_EQ(diagnosis.findings.size(), 1u);
+  EXPECT_EQ(diagnosis.findings.front().effect, "target_slip");
+  EXPECT_FALSE(diagnosis.findings.front().shrinkage.claimed()) << "it is one of points, which stay where they were";
+}
+
+TEST(Gap, IsNotTriedWhereNoArmExplainsThePoses) { EXPECT_THROW(cellOfATurnedTool(M_PI).diagnosis(), ImplausibleCapture); }
 
 }  // namespace
 }  // namespace poecal
