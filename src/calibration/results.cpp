@@ -1,6 +1,7 @@
 #include "poecal/calibration/results.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -119,6 +120,17 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
   if (summary.gap_remains) summary.warnings.push_back("a gap remains that no finding explains, far above the noise");
 }
 
+/// The first stages of a diagnosis are the identification's own, with the same numbers.
+void requireOneRun(const YamlNode& diagnosis, const ResultSummary& summary) {
+  constexpr double kSame = 1e-6;
+  if (summary.stages.empty() || !summary.diagnosed) return;
+  const YamlNode first = diagnosis["gap"]["stages"].items().front();
+  const std::optional<double> here = findNumber(first, "position_mm"), there = summary.stages.front().position;
+  if (!here || !there || std::abs(*here - *there) <= kSame * std::max(std::abs(*here), std::abs(*there))) return;
+  first.fail(fmt::format("the nominal arm is off by {:.4g} mm, and by {:.4g} mm in identification.json: expected results of one run", *here,
+                         *there));
+}
+
 }  // namespace
 
 nlohmann::ordered_json diagnosisObject(const Calibration& calibration, const Measurements& measurements) {
@@ -163,7 +175,10 @@ ResultSummary readResults(const std::filesystem::path& folder) {
   summary.name = std::filesystem::weakly_canonical(folder).filename().string();
   if (const auto root = readResult(folder / "registration.yaml", "poecal-registration/1")) readRegistration(*root, summary);
   if (const auto root = readResult(folder / "identification.json", "poecal-identification/1")) readIdentification(*root, summary);
-  if (const auto root = readResult(folder / "diagnosis.json", "poecal-diagnosis/1")) readDiagnosis(*root, summary);
+  if (const auto root = readResult(folder / "diagnosis.json", "poecal-diagnosis/1")) {
+    readDiagnosis(*root, summary);
+    requireOneRun(*root, summary);
+  }
   return summary;
 }
 

@@ -7,6 +7,7 @@
 #include "diagnosis/small_cell.hpp"
 #include "poecal/calibration/fleet.hpp"
 #include "poecal/core/csv.hpp"
+#include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
 #include "support/temp_folder.hpp"
 
@@ -81,6 +82,16 @@ TEST_F(Results, AreReadBackInShort) {
   ASSERT_THAT(read.findings, SizeIs(calibration_->diagnosis->findings.size()));
   EXPECT_EQ(read.findings.front().effect, "joint_backlash");
   EXPECT_THAT(fleetRow(read), SizeIs(fleetColumns().size()));
+}
+
+TEST_F(Results, OfTwoRunsAreNotTakenForOne) {
+  writeResults(*calibration_, *measurements_, {.registration = true, .identification = true, .diagnosis = true}, path("out"));
+  const test::SmallCell other = test::smallCell(22, 40, 0.1, {});
+  const Measurements measured = other.measurements();
+  const Calibration calibration = calibrate({.arm = other.nominal, .camera = other.cell.camera, .registration = {}}, measured);
+  writeTextFile(path("out/identification.json"), identificationJson(*calibration.identification, measured.samples));
+  EXPECT_THAT([this] { readResults(path("out")); },
+              ::testing::ThrowsMessage<FileError>(::testing::HasSubstr("in identification.json: expected results of one run")));
 }
 
 TEST_F(Results, DiagnosisSaysWhatTheModelIs) {
