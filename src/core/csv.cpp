@@ -1,5 +1,4 @@
 #include "poecal/core/csv.hpp"
-#include "poecal/core/choices.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -11,6 +10,7 @@
 #include <boost/algorithm/string/trim.hpp>
 #include <boost/tokenizer.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "poecal/core/error.hpp"
 #include "poecal/core/text.hpp"
@@ -101,7 +101,7 @@ std::optional<std::size_t> CsvTable::findColumn(const std::string& name) const {
 
 std::size_t CsvTable::column(const std::string& name) const {
   if (const auto found = findColumn(name)) return *found;
-  throw FileError(file_, 1, fmt::format("column '{}' is missing (there are: {})", name, choices(name, header_)));
+  throw FileError(file_, 1, fmt::format("column '{}' is missing (there are: {})", name, fmt::join(header_, ", ")));
 }
 
 std::optional<double> CsvTable::findNumber(std::size_t row, std::size_t column) const {

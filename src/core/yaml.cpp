@@ -26,7 +26,10 @@ class Contradictions : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark& mark) override {
     ++document_;
     line_ = mark.line + 1;
+    position_ = mark.pos;
   }
+  /// Where the last document began [bytes].
+  int position() const { return position_; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark&, YAML::anchor_t) override { endNode(); }
   void OnAlias(const YAML::Mark&, YAML::anchor_t) override { endNode(); }
@@ -69,6 +72,7 @@ class Contradictions : public YAML::EventHandler {
   YamlNode::Documents documents_;
   int document_ = 0;
   int line_ = 0;
+  int position_ = 0;
   std::vector<Collection> open_;
 };
 
@@ -76,9 +80,13 @@ void requireNoContradiction(const std::filesystem::path& file, const std::string
   std::istringstream stream(content);
   YAML::Parser parser(stream);
   Contradictions contradictions(file, documents);
-  // Of many documents the first is read, whatever the others are.
+  // Of many documents the first is read, whatever the others are. What follows one without "---" is no document, and yaml-cpp stays at it.
+  int at = -1;
   bool more = parser.HandleNextDocument(contradictions);
-  while (more && documents == YamlNode::Documents::kOne) more = parser.HandleNextDocument(contradictions);
+  while (more && documents == YamlNode::Documents::kOne && contradictions.position() > at) {
+    at = contradictions.position();
+    more = parser.HandleNextDocument(contradictions);
+  }
 }
 
 /// Whether an integer begins with a zero that is not all of it.

@@ -58,8 +58,10 @@ double mostOf(std::vector<double> ways) {
 
 std::string referenceContradiction(const Cell& identified, const std::vector<Observation>& observations) {
   if (identified.registration.setup != Setup::kEyeToHand) return "";
-  const std::vector<double> reference = wayOfReference(observations), target = wayOfTarget(identified, observations);
-  if (reference.empty() || target.empty()) return "";
+  const std::vector<double> reference = wayOfReference(observations);
+  if (reference.empty()) return "";
+  const std::vector<double> target = wayOfTarget(identified, observations);
+  if (target.empty()) return "";
   const double way = mostOf(reference), residual = mostOf(target);
   if (!(way > kPixels + kFarther * residual)) return "";
   return fmt::format(

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -37,14 +38,19 @@ std::vector<std::size_t> orderAsText(std::size_t count, std::size_t first) {
   return order;
 }
 
-/// Observation k gets the reading of the observation of `row_of_sample` of its sample.
-Mistake mistakeOfOrder(std::string text, const std::vector<Observation>& all, std::vector<std::size_t> row_of_sample) {
-  return {std::move(text), InputPart::kSamples, [&all, rows = std::move(row_of_sample)](Problem& problem) {
+/// Observation k gets the reading of the observation of `row_of_sample` of its sample. @param joint  of this one alone; nothing: of all
+Mistake mistakeOfOrder(std::string text, const std::vector<Observation>& all, std::vector<std::size_t> row_of_sample,
+                       std::optional<Eigen::Index> joint = std::nullopt) {
+  return {std::move(text), InputPart::kSamples, [&all, rows = std::move(row_of_sample), joint](Problem& problem) {
             std::map<std::size_t, const Observation*> of_sample;
             for (const Observation& observation : all) of_sample[observation.sample] = &observation;
             std::erase_if(problem.observations, [&](Observation& observation) {
               const auto found = of_sample.find(rows[observation.sample]);
               if (found == of_sample.end()) return true;
+              if (joint) {
+                observation.q(*joint) = found->second->q(*joint);
+                return false;
+              }
               observation.q = found->second->q;
               observation.T_base_flange = found->second->T_base_flange;
               return false;
@@ -72,9 +78,18 @@ std::string ratioText(double factor) {
 
 }  // namespace
 
-std::vector<Mistake> orderMistakes(const Problem&, const std::vector<Observation>& all) {
+std::vector<Mistake> orderMistakes(const Problem& problem, const std::vector<Observation>& all) {
   std::vector<Mistake> mistakes;
   const std::size_t count = all.back().sample + 1;
+  std::vector<std::size_t> next(count), last(count);
+  for (std::size_t row = 0; row < count; ++row) {
+    next[row] = row + 1;
+    last[row] = row == 0 ? count : row - 1;  // no row has that number
+  }
+  for (Eigen::Index k = 0; problem.cell.arm && k < problem.cell.arm->jointCount(); ++k) {
+    mistakes.push_back(mistakeOfOrder(fmt::format("q{} looks to hold the readings of the row before", k + 1), all, next, k));
+    mistakes.push_back(mistakeOfOrder(fmt::format("q{} looks to hold the readings of the row after", k + 1), all, last, k));
+  }
   std::vector<std::size_t> reversed(count);
   std::iota(reversed.rbegin(), reversed.rend(), 0);
   mistakes.push_back(mistakeOfOrder("the rows look to be in reverse order against the pictures", all, reversed));

@@ -34,7 +34,7 @@ std::vector<Mistake> poseMistakes(const Problem& problem);
 std::vector<Mistake> inversions(const Problem& problem);
 /// The other setup; for pictures only.
 std::vector<Mistake> setupMistakes(const Problem& problem);
-/// Order of the rows as a whole: turned round, or by name as text where the other is by number.
+/// Order of the rows as a whole: turned round, or by name as text where the other is by number; and one joint a row late or early.
 std::vector<Mistake> orderMistakes(const Problem& problem, const std::vector<Observation>& all);
 /// Sizes in other units: target, robot.
 std::vector<Mistake> unitMistakes(const Problem& problem);

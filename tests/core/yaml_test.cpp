@@ -41,6 +41,7 @@ TEST(Yaml, OneDocumentIsRead) {
   };
   EXPECT_THAT([&] { load("a: 1\n---\na: 2\n"); }, failsWith("a.yaml:2: a second document begins here, expected one"));
   EXPECT_THAT([&] { load("a: 1\n...\n---\n- 2\n"); }, failsWith("a second document begins here"));
+  EXPECT_EQ(load("{\"a\": 1}, 2"), 1) << "yaml-cpp reads that for ever, as one document after the other";
   EXPECT_EQ(load("---\na: 1\n---\n"), 1) << "what listens to a topic ends every message so";
   EXPECT_EQ(load("a: 1\n---\na: 2\n", YamlNode::Documents::kFirstOfMany), 1);
 }

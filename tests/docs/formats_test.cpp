@@ -99,7 +99,7 @@ TEST_F(Formats, TheCaptureIsRead) {
   EXPECT_EQ(capture.table.samples.size(), 3u);
   EXPECT_THAT(capture.table.other_columns, ::testing::ElementsAre("coolant_flow"));
   EXPECT_TRUE(capture.arm && capture.camera && capture.reference);
-  EXPECT_EQ(readDetections(capture.detections_file, capture.target, &*capture.reference).images.at(0).corners.size(), 4u);
+  EXPECT_EQ(readDetections(capture.detections_file, capture.target, &*capture.reference).images.at(0).corners.size(), 5u);
   for (const Sample& sample : capture.table.samples) {
     EXPECT_THAT(*sample.T_base_flange, PoseIsNear(forwardKinematics(*capture.arm, sample.q), 1e-8)) << sample.image;
   }

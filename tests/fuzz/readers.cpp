@@ -144,7 +144,8 @@ void readCorners(const fs::path& file) {
   attempt([&] { readDetections(file, chessboardTarget(9, 6, 0.03), &targetOfCell()); });
   const ImageSize size{1280, 960};
   const Detections detections = readDetections(file, targetOfCell(), &referenceOfCell(), size);
-  readAgain(file, detectionsCsv(detections), [&](const fs::path& again) { readDetections(again, targetOfCell(), nullptr, size); });
+  readAgain(file, detectionsCsv(detections),
+            [&](const fs::path& again) { readDetections(again, targetOfCell(), &referenceOfCell(), size); });
 }
 
 void readModelAndWriteIt(const fs::path& file) { readAgain(file, modelYaml(readModel(file)), readModel); }

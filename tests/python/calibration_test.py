@@ -1,6 +1,7 @@
 """The main job by the module and by the program is the same, and finds what is true."""
 import json
 import math
+import shutil
 import unittest
 
 import numpy as np
@@ -153,9 +154,11 @@ class OtherCalls(unittest.TestCase):
         self.assertEqual(sorted(file.name for file in out.iterdir()), ["identification.json", "model.yaml"])
 
     def test_a_fleet(self):
-        summaries = [poecal.readResults(cells.results())] * 2
+        again = cells.new_folder() / "again"
+        shutil.copytree(cells.results(), again)
+        summaries = [poecal.readResults(cells.results()), poecal.readResults(again)]
         table = cells.new_folder() / "fleet.csv"
-        cells.done("fleet", cells.results(), cells.results(), "--out", table)
+        cells.done("fleet", cells.results(), again, "--out", table)
         self.assertEqual(poecal.fleetCsv(summaries), table.read_text())
         self.assertEqual(poecal.fleetText(summaries).count("joint_coupling at joint:6"), 2)
         row = dict(zip(poecal.fleetColumns(), poecal.fleetRow(summaries[0])))

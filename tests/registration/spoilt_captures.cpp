@@ -124,6 +124,9 @@ void addOfJoints(const Arm& arm, std::vector<std::tuple<std::string, std::string
     const std::size_t from = capture.observations.size() * 3 / 4;
     for (std::size_t k = from; k < capture.observations.size(); ++k) capture.observations[k].q = capture.observations[from].q;
   });
+  list.emplace_back("late", "q2 looks to hold the readings of the row before", [](MadeCapture& capture) {
+    for (std::size_t k = capture.observations.size(); k-- > 1;) capture.observations[k].q(1) = capture.observations[k - 1].q(1);
+  });
   list.emplace_back("reverse", "reverse order", ofReadings([](Eigen::VectorXd& q) { q.reverseInPlace(); }));
   if (arm.jointCount() > 4) {  // the last joint's zero is the tool's
     list.emplace_back("half a turn", "q4 is off by 180 degrees", ofReadings([revolute](Eigen::VectorXd& q) { q(3) += M_PI; }));
