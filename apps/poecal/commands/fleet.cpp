@@ -88,13 +88,15 @@ std::vector<std::string> requireResults(const std::vector<ResultSummary>& result
   return failed;
 }
 
-void requireDifferent(const std::vector<std::filesystem::path>& folders) {
+std::vector<std::string> namedTwice(const std::vector<std::filesystem::path>& folders) {
   std::set<std::filesystem::path> seen;
+  std::vector<std::string> remarks;
   for (const std::filesystem::path& folder : folders) {
     if (!seen.insert(std::filesystem::weakly_canonical(folder / "")).second) {
-      throw InvalidArgument(fmt::format("{} is named twice, expected each folder once", folder.string()));
+      remarks.push_back(fmt::format("{} is named twice, expected each folder once", folder.string()));
     }
   }
+  return remarks;
 }
 
 }  // namespace
@@ -110,7 +112,6 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
   app.add_option("--page", options->page, "A page with a small picture of every capture to write too (fleet.html)");
   app.footer(kExample);
   return [options, &common] {
-    requireDifferent(options->folders);
     std::vector<std::filesystem::path> inputs;
     for (const std::filesystem::path& folder : options->folders) {
       for (const char* name : {"registration.yaml", "identification.json", "diagnosis.json", "model.yaml", "camera.yaml", "detections.csv",
@@ -125,6 +126,7 @@ std::function<int()> setUpFleet(CLI::App& app, const Common& common) {
       outputs.push_back(options->page);
     }
     requireOutputs(outputs, inputs);
+    TerminalListener(common).warnings(namedTwice(options->folders));
     std::vector<ResultSummary> results;
     nlohmann::json captures = nlohmann::json::array();
     for (const std::filesystem::path& folder : options->folders) {
