@@ -112,6 +112,8 @@ struct Identification {
 /// @param cell  nominal arm, and camera where observations are corners. Its registration is ignored; the setup is that of the measurements.
 /// @param registration  of these measurements in this cell, where it was done already; otherwise it is done here.
 /// @throws InsufficientData: too few poses for the unknowns, a joint that never moved, no registration.
+/// @throws ImplausibleCapture: as registerCell(); or the identified arm still puts the flange half of the poses' spread, or 1 rad, from
+/// where it was measured.
 Identification identify(const Cell& cell, const Measurements& measurements, const IdentifyOptions& options = {},
                         const RegistrationResult* registration = nullptr);
 
