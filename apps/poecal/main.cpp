@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <iterator>
 #include <new>
-#include <numeric>
 #include <sstream>
 #include <string>
 #include <utility>

@@ -138,12 +138,6 @@ bool isFarFrom(const FittedChange& fitted, const std::map<int, std::map<int, Eig
   return std::abs(fitted.change(0)) > kHalf || std::hypot(fitted.change(1), fitted.change(2)) > farthest;
 }
 
-struct OtherTag {
-  int tag = 0;
-  std::string text;
-  double left = 0.0;  ///< by free poses once it is taken as it looks [px]
-};
-
 std::size_t posed(const Problem& problem) {
   return static_cast<std::size_t>(std::count_if(problem.samples.begin(), problem.samples.end(),
                                                 [](const HypothesisSample& sample) { return !sample.candidates.empty(); }));
@@ -158,13 +152,11 @@ void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observ
     for (const CornerMeasurement& corner : observation.corners) tags[corner.id.tag][corner.id.corner] = corner.p_target;
   }
   if (tags.size() < kFewestTags || tags.size() > kMostTags || tags.begin()->first < 0) return;
-  Problem few;
-  few.cell = cell;
-  const std::size_t rows = std::min(kRows, observations.size());
-  for (std::size_t i = 0; i < rows; ++i) few.observations.push_back(observations[i * observations.size() / rows]);
+  Problem few = evenly(cell, observations, kRows);
   renewPictures(few);
   const double stated = freeMisfit(few.samples);
-  std::optional<OtherTag> best;
+  double least = kMends * stated;
+  std::string best;
   for (const auto& [tag, corners] : tags) {
     if (corners.size() != kTagCorners) continue;
     const TagPlane plane = TagPlane::of(corners);
@@ -183,15 +175,15 @@ void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observ
     }
     renewPictures(altered);
     const double left = freeMisfit(altered.samples);
-    if (!(left < (best ? best->left : kMends * stated)) || posed(altered) < posed(few)) continue;
-    best = OtherTag{tag, difference.text, left};
+    if (!(left < least) || posed(altered) < posed(few)) continue;
+    least = left;
+    best = fmt::format(
+        "tag {} does not fit the layout of the others: it looks {} (so, the target fits to {:.3g} px instead of {:.3g} with a pose of its "
+        "own "
+        "in each picture)",
+        tag, difference.text, left, stated);
   }
-  if (!best) return;
-  throw ImplausibleCapture(
-      fmt::format("tag {} does not fit the layout of the others: it looks {} (so, the target fits to {:.3g} px instead "
-                  "of {:.3g} with a pose of its own in each picture)",
-                  best->tag, best->text, best->left, stated),
-      InputPart::kTarget);
+  if (!best.empty()) throw ImplausibleCapture(best, InputPart::kTarget);
 }
 
 }  // namespace poecal

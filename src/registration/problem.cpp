@@ -81,6 +81,14 @@ Problem thinned(const Cell& cell, const std::vector<Observation>& observations, 
   return problem;
 }
 
+Problem evenly(const Cell& cell, const std::vector<Observation>& observations, std::size_t rows) {
+  Problem few;
+  few.cell = cell;
+  rows = std::min(rows, observations.size());
+  for (std::size_t i = 0; i < rows; ++i) few.observations.push_back(observations[i * observations.size() / rows]);
+  return few;
+}
+
 bool keepsMost(const Problem& altered, const Problem& whole) {
   return altered.observations.size() >= std::max<std::size_t>(4, whole.observations.size() * 3 / 4) &&
          4 * cornerCount(altered) >= 3 * cornerCount(whole);

@@ -31,6 +31,9 @@ constexpr std::size_t kSearchedRows = 40;
 Problem thinned(const Cell& cell, const std::vector<Observation>& observations, const std::vector<HypothesisSample>& samples,
                 std::size_t rows);
 
+/// At most `rows` observations evenly over the series, with what their pictures tell yet to be renewed.
+Problem evenly(const Cell& cell, const std::vector<Observation>& observations, std::size_t rows);
+
 /// Whether most rows and most of their corners are left in a problem that was altered: an explanation of few explains nothing.
 bool keepsMost(const Problem& altered, const Problem& whole);
 

@@ -114,18 +114,9 @@ double extentInPictures(const std::vector<Observation>& observations) {
   return extents.empty() ? 0.0 : median(extents);
 }
 
-/// Some observations evenly over the series.
-Problem someRows(const Cell& cell, const std::vector<Observation>& observations) {
-  Problem few;
-  few.cell = cell;
-  const std::size_t rows = std::min(kRows, observations.size());
-  for (std::size_t i = 0; i < rows; ++i) few.observations.push_back(observations[i * observations.size() / rows]);
-  return few;
-}
-
 /// Some observations evenly over the series, each with some tags, evenly over those whose four corners it shows.
 Problem wholeTags(const Cell& cell, const std::vector<Observation>& observations) {
-  Problem few = someRows(cell, observations);
+  Problem few = evenly(cell, observations, kRows);
   for (Observation& observation : few.observations) {
     std::map<int, int> seen;
     for (const CornerMeasurement& corner : observation.corners) ++seen[corner.id.tag];
@@ -169,7 +160,7 @@ void requireGridFits(const Cell& cell, const std::vector<Observation>& observati
   const std::map<int, Eigen::Vector3d> stated = boardCorners(observations);
   const std::optional<std::map<int, Eigen::Vector3d>> other = gridTheOtherWay(stated);
   if (!other) return;
-  Problem few = someRows(cell, observations);
+  Problem few = evenly(cell, observations, kRows);
   renewPictures(few);
   Problem altered = few;
   for (Observation& observation : altered.observations) {
@@ -197,7 +188,7 @@ struct BetterTarget {
 void requireLayoutFits(const Cell& cell, const std::vector<Observation>& observations, double usual) {
   Problem few = wholeTags(cell, observations);
   if (few.observations.size() < 4) {
-    few = someRows(cell, observations);
+    few = evenly(cell, observations, kRows);
     renewPictures(few);
   }
   const double stated = freeOrNone(few.observations, few.samples);
