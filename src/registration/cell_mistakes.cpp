@@ -1,8 +1,10 @@
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -74,6 +76,21 @@ std::string ratioText(double factor) {
     if (std::abs(factor - ratio) < 1e-3) return text;
   }
   return fmt::format("{:.3g}", factor);
+}
+
+/// The distance of neighbouring corners of a board along an axis of it [m]; 0 where all have the same place there.
+double spacing(const std::vector<Observation>& observations, int axis) {
+  constexpr double kSame = 1e-6;  // [m]
+  std::set<double> places;
+  for (const Observation& observation : observations) {
+    for (const CornerMeasurement& corner : observation.corners) places.insert(corner.p_target(axis));
+  }
+  double least = std::numeric_limits<double>::infinity(), last = -least;
+  for (const double place : places) {
+    if (place - last > kSame) least = std::min(least, place - last);
+    last = place;
+  }
+  return std::isfinite(least) ? least : 0.0;
 }
 
 }  // namespace
@@ -200,6 +217,13 @@ std::vector<Mistake> pictureMistakes(const Problem& problem) {
   }
   add("the board looks read from its opposite corner",
       [ends = Eigen::Vector3d(board.min() + board.max())](CornerMeasurement& corner) { corner.p_target = ends - corner.p_target; });
+  for (int axis = 0; axis < 2; ++axis) {
+    const double square = spacing(problem.observations, axis);
+    for (const double late : {1.0, -1.0}) {
+      add(axis == 0 ? "the board's corners look counted a column off" : "the board's corners look counted a row off",
+          [axis, shift = late * square](CornerMeasurement& corner) { corner.p_target(axis) += shift; });
+    }
+  }
   return mistakes;
 }
 

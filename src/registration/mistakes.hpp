@@ -42,8 +42,8 @@ std::vector<Mistake> unitMistakes(const Problem& problem);
 std::vector<Mistake> resolutionMistakes(const Problem& problem);
 /// Likewise, or the pictures are cut out.
 std::vector<Mistake> lensMistakes(const Problem& problem);
-/// Pictures that are turned or mirrored, a board that is read from its other end: of some rows beside others, since a whole capture that is
-/// turned is one of a camera or a board that is.
+/// Pictures that are turned or mirrored, a board that is read from its other end or a row late: of some rows beside others, since a whole
+/// capture that is turned is one of a camera or a board that is.
 std::vector<Mistake> pictureMistakes(const Problem& problem);
 /// Corners of every tag in another order. Only where the corners do not even fit with poses of their own.
 std::vector<Mistake> cornerMistakes(const Problem& problem);

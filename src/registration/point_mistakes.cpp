@@ -1,20 +1,15 @@
 // Mistakes in a target that lists single points.
-#include <cmath>
 #include <map>
-#include <optional>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
-#include "poecal/registration/target_pose.hpp"
 #include "registration/mistakes.hpp"
+#include "registration/stray_points.hpp"
 
 namespace poecal {
 namespace {
 
 constexpr std::size_t kMostPoints = 12;  // sixty-six pairs are tried within a second
-constexpr std::size_t kFewestPictures = 4;
-constexpr int kSteps = 10;
 
 /// The points that are listed, by their numbers; empty where the target is one of tags or a board.
 std::map<int, Eigen::Vector3d> listedPoints(const std::vector<Observation>& observations) {
@@ -38,37 +33,6 @@ Mistake mistakeOfPoints(std::string text, std::map<int, Eigen::Vector3d> points)
           }};
 }
 
-/// Where the pictures show a point, posed by the other points of each.
-std::optional<Eigen::Vector3d> placeByTheOthers(const Problem& problem, int point, Eigen::Vector3d p) {
-  std::vector<std::pair<Eigen::Isometry3d, Eigen::Vector2d>> sights;
-  for (const Observation& observation : problem.observations) {
-    Observation others = observation;
-    std::erase_if(others.corners, [&](const CornerMeasurement& corner) { return corner.id.tag == point; });
-    if (others.corners.size() == observation.corners.size()) continue;
-    const std::vector<TargetPose> poses = targetPoses(*problem.cell.camera, others);
-    if (poses.empty()) continue;
-    for (const CornerMeasurement& corner : observation.corners) {
-      if (corner.id.tag == point) sights.emplace_back(poses.front().T_camera_target, corner.px);
-    }
-  }
-  if (sights.size() < kFewestPictures) return std::nullopt;
-  for (int step = 0; step < kSteps; ++step) {
-    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
-    for (const auto& [T, px] : sights) {
-      const auto seen = projectWithJacobians(*problem.cell.camera, T * p);
-      if (!seen) continue;
-      const Eigen::Matrix<double, 2, 3> J = seen->J_px_p * T.linear();
-      A += J.transpose() * J;
-      b += J.transpose() * (px - seen->px);
-    }
-    const Eigen::Vector3d change = A.ldlt().solve(b);
-    if (!change.allFinite()) return std::nullopt;
-    p += change;
-  }
-  return p;
-}
-
 }  // namespace
 
 std::vector<Mistake> pointMistakes(const Problem& problem, const std::vector<Observation>& all) {
@@ -87,7 +51,7 @@ std::vector<Mistake> pointMistakes(const Problem& problem, const std::vector<Obs
   for (auto& [id, p] : mirrored) p.x() = -p.x();
   mistakes.push_back(mistakeOfPoints("the points look mirrored: one axis has the wrong sign, or two are exchanged", std::move(mirrored)));
   for (const auto& [id, p] : stated) {
-    const auto place = placeByTheOthers(problem, id, p);
+    const auto place = placeByTheOthers(problem, {id, 0}, {{id, 0}}, p);
     if (!place) continue;
     std::map<int, Eigen::Vector3d> moved = stated;
     moved[id] = *place;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -107,10 +108,13 @@ std::vector<Mistake> poseMistakes(const Problem& problem) {
   std::vector<Mistake> mistakes;
   const bool measured = problem.observations.front().pose.has_value();
   if (problem.cell.arm && !measured) return mistakes;
-  mistakes.push_back(mistakeOfPoses("x, y, z look like millimetres, expected metres", [](Eigen::Isometry3d T) {
-    T.translation() *= 1e-3;
-    return T;
-  }));
+  constexpr std::pair<const char*, double> kUnits[] = {{"millimetres", 1e-3}, {"centimetres", 1e-2}, {"inches", 0.0254}};
+  for (const auto& [unit, metres] : kUnits) {
+    mistakes.push_back(mistakeOfPoses(fmt::format("x, y, z look like {}, expected metres", unit), [metres = metres](Eigen::Isometry3d T) {
+      T.translation() *= metres;
+      return T;
+    }));
+  }
   if (measured && problem.observations.front().pose->position_only) return mistakes;
   if (measured) {
     mistakes.push_back(mistakeOfPoses("the poses look inverted (instrument in tool), expected tool in instrument",

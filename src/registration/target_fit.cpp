@@ -12,6 +12,7 @@
 #include "poecal/core/statistics.hpp"
 #include "registration/mistakes.hpp"
 #include "registration/one_tag.hpp"
+#include "registration/stray_points.hpp"
 #include "registration/target_fit.hpp"
 
 namespace poecal {
@@ -289,6 +290,7 @@ void requireTargetFits(const Cell& cell, const std::vector<Observation>& observa
   if (free > usual) requireLayoutFits(cell, observations, usual);
   // After the layout as a whole: seen from a tag whose corners are counted otherwise, another one lies elsewhere.
   requireEachTagFits(cell, observations);
+  if (free > usual) requireEachPointFits(cell, observations);
   if (!(free > kOfNoTarget * extent) || free <= usual) return;
   throw ImplausibleCapture(fmt::format("no pose of this target shows the corners as the pictures do (the best leave {} of {:.0f} px from "
                                        "corner to corner): expected the layout, ids and sizes of the printed target",

@@ -194,23 +194,33 @@ TEST(Plausibility, PointsThatAreNotAsStatedAreNamed) {
   }
 }
 
-TEST(Plausibility, ABoardWithColumnsAndRowsExchangedIsNamed) {
-  Rng rng = test::rngOfThisTest();
-  const MadeCapture good = makeCapture({"elbow"}, rng);
+constexpr int kColumns = 6, kRows = 4;
+constexpr double kSquare = 0.03;
+
+/// The same capture with a board of kColumns x kRows corners. @param at  where corner k of an observation really is on it.
+MadeCapture withBoard(const MadeCapture& good, const std::function<Eigen::Vector3d(std::size_t, int)>& at) {
   MadeCapture board = good;
-  constexpr int kColumns = 6, kRows = 4;
-  constexpr double kSquare = 0.03;
-  for (Observation& observation : board.observations) {
+  for (std::size_t n = 0; n < board.observations.size(); ++n) {
+    Observation& observation = board.observations[n];
     const Eigen::Isometry3d T = good.truth.registration.cameraTarget(forwardKinematics(*good.truth.arm, observation.q));
     observation.corners.clear();
     for (int k = 0; k < kColumns * kRows; ++k) {
       CornerMeasurement corner;
       corner.id = {-1, k};
       corner.p_target = {kSquare * (k % kColumns), kSquare * (k / kColumns), 0.0};
-      corner.px = *project(*good.truth.camera, T * corner.p_target);
+      corner.px = *project(*good.truth.camera, T * at(n, k));
       observation.corners.push_back(corner);
     }
   }
+  return board;
+}
+
+Eigen::Vector3d onBoard(int column, int row) { return {kSquare * column, kSquare * row, 0.0}; }
+
+TEST(Plausibility, ABoardWithColumnsAndRowsExchangedIsNamed) {
+  Rng rng = test::rngOfThisTest();
+  const MadeCapture good = makeCapture({"elbow"}, rng);
+  MadeCapture board = withBoard(good, [](std::size_t, int k) { return onBoard(k % kColumns, k / kColumns); });
   EXPECT_FALSE(said(board).refused) << said(board).message;
   for (Observation& observation : board.observations) {
     for (CornerMeasurement& corner : observation.corners) {
@@ -218,6 +228,32 @@ TEST(Plausibility, ABoardWithColumnsAndRowsExchangedIsNamed) {
     }
   }
   EXPECT_THAT(said(board).message, HasSubstr("the board's columns and rows look exchanged"));
+}
+
+TEST(Plausibility, CornersOfABoardThatAreNotInTheirPlacesAreNamed) {
+  Rng rng = test::rngOfThisTest();
+  const MadeCapture good = makeCapture({"elbow"}, rng);
+  const MadeCapture last_row = withBoard(good, [](std::size_t, int k) {
+    const bool last = k / kColumns == kRows - 1;
+    return onBoard(k % kColumns + (last ? 1 : 0), k / kColumns);
+  });
+  EXPECT_THAT(said(last_row).message, HasSubstr("the corners 18 to 23 of the target lie up to 30.0 mm from their places"));
+  const MadeCapture exchanged = withBoard(good, [](std::size_t, int k) {
+    const int of = k == 3 ? 14 : k == 14 ? 3 : k;
+    return onBoard(of % kColumns, of / kColumns);
+  });
+  EXPECT_THAT(said(exchanged).message, HasSubstr("the corners 3, 14 of the target lie up to"));
+}
+
+TEST(Plausibility, RowsWhoseBoardIsCountedARowOffAreNamed) {
+  Rng rng = test::rngOfThisTest();
+  const MadeCapture good = makeCapture({"elbow"}, rng);
+  constexpr std::size_t kFirst = 24;
+  const MadeCapture later =
+      withBoard(good, [](std::size_t n, int k) { return onBoard(k % kColumns, k / kColumns + (n < kFirst ? 0 : 1)); });
+  EXPECT_THAT(said(later).message, HasSubstr("the board's corners look counted a row off"));
+  const MadeCapture some = withBoard(good, [](std::size_t n, int k) { return onBoard(k % kColumns + (n % 5 == 2 ? 1 : 0), k / kColumns); });
+  EXPECT_THAT(said(some).message, HasSubstr("the board's corners look counted a column off"));
 }
 
 TEST(PlausibilityStatistics, RowsThatAreMispairedInTurnAreNamed) {

@@ -139,6 +139,10 @@ void addOfPoses(std::vector<std::tuple<std::string, std::string, Spoil>>& list) 
                       T.translation() *= 1e3;
                       return T;
                     }));
+  list.emplace_back("poses in inches", "inches", ofPoses([](Eigen::Isometry3d T) {
+                      T.translation() /= 0.0254;
+                      return T;
+                    }));
   list.emplace_back("wxyz", "another order of the quaternion", ofRotations([](const Eigen::Matrix3d& R) {
                       const Eigen::Quaterniond q(R);  // w, x, y, z stand where x, y, z, w are read
                       return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
