@@ -97,8 +97,8 @@ void addLeverArms(const MeasuredCell& measured, const ModelState& state, const P
     const auto capture = contextOf(measured, moved);
     for (std::size_t n = 0; n < all.observations.size(); ++n) {
       const ObservationRows& part = all.observations[n];
-      const SampleContext context = makeSampleContext(capture, measured.samples[part.context.number], part.context.number, {});
-      all.J.col(i).segment(part.begin, part.size) += part.along(slope(disturbanceOf(effects, context), here[n], kStep));
+      const Disturbance there = disturbanceOf(effects, part.context.loadOf(capture));
+      all.J.col(i).segment(part.begin, part.size) += part.along(slope(there, here[n], kStep));
     }
   }
 }

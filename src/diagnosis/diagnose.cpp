@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
@@ -147,30 +148,37 @@ struct Climbed {
 Climbed climb(const Selection& selection, const MeasuredCell& measured, const Identification& identification,
               const DiagnoseOptions& options, Diagnosis& diagnosis) {
   const Ladder ladder(selection, measured, identification, options.folds, options.seed);
-  const std::size_t findings = selection.findings.size(), choices = ladder.hasWaves() ? 2 : 1;
+  const std::size_t findings = selection.findings.size();
+  std::vector<std::size_t> taken(findings);
+  std::iota(taken.begin(), taken.end(), 0);
+  const std::size_t choices = ladder.hasWaves(taken) ? 2 : 1;
   // A rung with each finding, those with none and with all by other folds, and one without each where there are several.
   const std::size_t rung_count =
       findings == 0 ? 0 : findings + choices - 1 + 2 * ladder.blocks().size() + (findings > 1 ? choices * findings : 0);
   Progress progress(options.progress, "judging on poses held out", rung_count);
   progress.show();
+  std::map<std::pair<std::vector<std::size_t>, Waves>, Rung> known;
   const auto rungOf = [&](const std::string& stage, const std::vector<std::size_t>& some, Waves waves) {
-    Rung rung = ladder.rungWith(stage, some, HeldOut::kRandom, waves);
+    if (!ladder.hasWaves(some)) waves = Waves::kKept;
+    auto at = known.find({some, waves});
+    if (at == known.end()) at = known.emplace(std::pair{some, waves}, ladder.rungWith(stage, some, HeldOut::kRandom, waves)).first;
     progress.advance();
+    Rung rung = at->second;
+    rung.stage = stage;
     return rung;
   };
   std::vector<Rung> rungs = ladder.geometricRungs();
   const Rung identified = rungs[kIdentified];
-  std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < findings; ++i) {
-    taken.push_back(i);
-    rungs.push_back(rungOf(rungName(selection, identified.stage, taken), taken, Waves::kChosenAnew));
+    const std::vector<std::size_t> first(taken.begin(), taken.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    rungs.push_back(rungOf(rungName(selection, identified.stage, first), first, Waves::kChosenAnew));
   }
   const Rung& all = rungs.back();
   std::optional<Rung> with_waves;
   if (choices > 1) with_waves = rungOf("", taken, Waves::kKept);
   const Rung& kept = with_waves ? *with_waves : all;
   const MeasurementNoise noise = measurementNoise(selection.measured, selection.linear, identification.sigmas_stated);
-  const Gap gap(selection, noise, rungs, options.seed);
+  const Gap gap(selection, noise, rungs, ladder.folds(HeldOut::kRandom), options.seed);
   diagnosis.noise_source = noise.source;
   tellGap(gap, rungs, diagnosis);
   if (findings > 0) diagnosis.shrinkage = gap.shrinkage(identified, all, blockRungs(ladder, taken, progress), with_waves);

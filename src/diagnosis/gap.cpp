@@ -14,13 +14,18 @@ namespace {
 
 /// Sums over some poses.
 struct Sums {
-  double before = 0.0, after = 0.0, expected = 0.0, points = 0.0;
-  void add(const PoseSquares& one, const PoseSquares& other, double by_covariance) {
+  double before = 0.0, after = 0.0, expected = 0.0, fewer = 0.0, points = 0.0;
+  /// @param by_covariance  squares that a fit to all other poses is off by. @param by_fewer  what one without the pose's fold is off by
+  /// more.
+  void add(const PoseSquares& one, const PoseSquares& other, double by_covariance, double by_fewer) {
     before += one.squares;
     after += other.squares;
     expected += by_covariance;
+    fewer += by_fewer;
     points += one.points;
   }
+  /// Mean square after, as a fit to all other poses would have left it.
+  double left() const { return (after - fewer) / points; }
   /// 1 - excess after / excess before, as roots. @param left  mean square of the excess after. Where chance makes that of before less than
   /// that of after, a quarter of it: who takes away what helps does not come out with nothing.
   double shrinkage(double left) const {
@@ -29,32 +34,56 @@ struct Sums {
   }
 };
 
-/// Squares of each pose that the uncertainty of a fit to all others makes: with P = X Cov X' of the pose by the whole fit and C its noise,
-/// leaving it out gives P + P (C - P)^-1 P.
-std::vector<double> expectedSquares(const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights) {
+/// R with R R' = covariance.
+Eigen::MatrixXd rootOf(const Eigen::MatrixXd& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+/// Squares of each pose that the uncertainty of a fit without its fold makes. With R R' the covariance of the whole fit, C = L L' the noise
+/// and B = R' X' L'^-1 of the fold, leaving it out makes the covariance R (1 - B B')^-1 R'.
+std::vector<double> squaresWithout(const Folds& folds, const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights) {
   const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
-  std::vector<double> squares;
-  for (std::size_t g = 0; g < whitening.poses(); ++g) {
-    const int begin = whitening.begin(g), size = whitening.size(g);
-    const Eigen::MatrixXd part = X.middleRows(begin, size);
-    const Eigen::MatrixXd P = part * linear.noise.covariance * part.transpose();
-    // Its eigenvalues lie between 0 and 1.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> share(whitening.applyTo(g, whitening.applyTo(g, P).transpose()));
-    constexpr double kMost = 0.99;  // a pose that alone tells of something tells nothing of how well others know it
+  const Eigen::MatrixXd root = rootOf(linear.noise.covariance);
+  std::vector<double> squares(whitening.poses());
+  for (const std::vector<std::size_t>& fold : folds) {
+    Eigen::Index size = 0;
+    for (const std::size_t g : fold) size += whitening.size(g);
+    Eigen::MatrixXd B(root.cols(), size);
+    Eigen::Index begin = 0;
+    for (const std::size_t g : fold) {
+      const Eigen::MatrixXd part = X.middleRows(whitening.begin(g), whitening.size(g)) * root;
+      B.middleCols(begin, part.rows()) = whitening.applyTo(g, part).transpose();
+      begin += part.rows();
+    }
+    // Of B B' and B' B the smaller one; the eigenvalues of either that are not 0 lie between 0 and 1.
+    const bool thin = B.cols() < B.rows();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> share(thin ? Eigen::MatrixXd(B.transpose() * B)
+                                                                    : Eigen::MatrixXd(B * B.transpose()));
+    constexpr double kMost = 0.99;  // a fold that alone tells of something tells nothing of how well others know it
     const Eigen::ArrayXd taken = share.eigenvalues().array().max(0.0).min(kMost);
-    const Eigen::MatrixXd directions = whitening.undo(g, share.eigenvectors());
-    const Eigen::VectorXd variances = directions.cwiseAbs2() * (taken / (1.0 - taken)).matrix();
-    squares.push_back(variances.dot(weights.segment(begin, size)));
+    const Eigen::ArrayXd left = 1.0 - taken;
+    const Eigen::MatrixXd directions = thin ? Eigen::MatrixXd(B * share.eigenvectors()) : share.eigenvectors();
+    const Eigen::VectorXd more = thin ? Eigen::VectorXd(left.inverse()) : Eigen::VectorXd(taken / left);
+    for (const std::size_t g : fold) {
+      const Eigen::MatrixXd part = X.middleRows(whitening.begin(g), whitening.size(g)) * root;
+      const Eigen::VectorXd variances = part.rowwise().squaredNorm() + (part * directions).cwiseAbs2() * more;
+      squares[g] = variances.dot(weights.segment(whitening.begin(g), whitening.size(g)));
+    }
   }
   return squares;
+}
+
+Folds eachAlone(std::size_t poses) {
+  Folds folds;
+  for (std::size_t g = 0; g < poses; ++g) folds.push_back({g});
+  return folds;
 }
 
 /// Squares that the parameters make at each pose when they are drawn from their covariance, poses x draws; their mean is `expected`.
 Eigen::MatrixXd drawnSquares(const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights,
                              const std::vector<double>& expected, int draws, Rng& rng) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> covariance(linear.noise.covariance);
-  const Eigen::MatrixXd root = covariance.eigenvectors() * covariance.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  const Eigen::MatrixXd moved = weights.cwiseSqrt().asDiagonal() * (X * root);
+  const Eigen::MatrixXd moved = weights.cwiseSqrt().asDiagonal() * (X * rootOf(linear.noise.covariance));
   const Eigen::MatrixXd errors = Eigen::MatrixXd::NullaryExpr(moved.cols(), draws, [&rng] { return rng.normal(); });
   Eigen::MatrixXd squares(static_cast<Eigen::Index>(expected.size()), draws);
   Eigen::Index begin = 0;
@@ -136,29 +165,40 @@ double beyondChance(double more, double sigma) {
 std::pair<double, double> middle(std::vector<double>& values) { return {quantile(values, 0.025), quantile(values, 0.975)}; }
 
 constexpr int kResamples = 2000;
+constexpr std::size_t kTestPoses = 60;
+
+/// These poses are a sample, and so are those on which somebody looks again: the difference of both means scatters as one mean over so
+/// many poses does.
+std::size_t posesOfBoth(std::size_t count) {
+  const std::size_t again = std::min(count, kTestPoses);
+  return std::max<std::size_t>(1, count * again / (count + again));
+}
 
 }  // namespace
 
-Gap::Gap(const Selection& selection, const MeasurementNoise& noise, const std::vector<Rung>& rungs, std::uint64_t seed)
+Gap::Gap(const Selection& selection, const MeasurementNoise& noise, const std::vector<Rung>& rungs, const Folds& folds, std::uint64_t seed)
     : selection_(selection), noise_(noise), last_(rungs.back()), resampling_(seed, 1) {
   const Eigen::MatrixXd X = selection.linear.allColumns();
   const Eigen::VectorXd weights = squareWeights(selection.linear.rows);
-  expected_ = expectedSquares(selection.linear, X, weights);
+  expected_ = squaresWithout(eachAlone(selection.linear.rows.groups.size()), selection.linear, X, weights);
+  fewer_ = squaresWithout(folds, selection.linear, X, weights);
+  for (std::size_t g = 0; g < fewer_.size(); ++g) fewer_[g] -= expected_[g];
   constexpr int kDraws = 400;
-  if (!selection.findings.empty()) drawn_ = drawnSquares(selection.linear, X, weights, expected_, kDraws, resampling_);
+  drawn_ = drawnSquares(selection.linear, X, weights, expected_, kDraws, resampling_);
   lowest_ = std::numeric_limits<double>::infinity();
   for (const Rung& rung : rungs) lowest_ = std::min(lowest_, meanSquare(rung));
   Sums sums;
-  for (std::size_t g = 0; g < last_.poses.size(); ++g) sums.add(last_.poses[g], last_.poses[g], expected_[g]);
+  for (std::size_t g = 0; g < last_.poses.size(); ++g) sums.add(last_.poses[g], last_.poses[g], expected_[g], fewer_[g]);
   if (!(sums.points > 0.0)) return;
   const double after = sums.after / sums.points, expected = sums.expected / sums.points;
-  const double more = std::max(0.0, after - noise_.least - expected);
+  const double more = std::max(0.0, sums.left() - noise_.least - expected);
   const double excess = expected + more * beyondChance(more, noise_.chance * noise_.least);
-  // What the fit may be off by takes nothing from noise that is known.
+  // What the fit may be off by takes nothing from noise that is known, and adds nothing to it.
   constexpr double kSurely = 3.0;
   const double surely = noise_.least * std::max(0.0, 1.0 - kSurely * noise_.chance);
-  subtracted_ = std::clamp(after - excess, std::min(surely, lowest_), lowest_);
-  unexplained_ = beyondChance(after - noise_.random - expected, noise_.chance * noise_.random);
+  const double at_most = std::min(lowest_, noise_.least * (1.0 + kSurely * noise_.chance));
+  subtracted_ = std::clamp(after - excess, std::min(surely, at_most), at_most);
+  unexplained_ = beyondChance(sums.left() - noise_.random - expected, noise_.chance * noise_.random);
 }
 
 GapStage Gap::stageOf(const Rung& rung) const {
@@ -182,17 +222,19 @@ std::pair<double, double> Gap::noiseBounds() const {
 }
 
 std::pair<double, double> Gap::remaining() const {
-  const std::size_t count = last_.poses.size();
+  const std::size_t count = last_.poses.size(), others = posesOfBoth(count);
   Rng rng = resampling_;
+  const auto add = [&](int resample, Sums& sums) {
+    const std::size_t g = rng.below(count);
+    sums.add(last_.poses[g], last_.poses[g], drawn_(static_cast<Eigen::Index>(g), resample % drawn_.cols()), fewer_[g]);
+  };
   std::vector<double> least, most;
   for (int resample = 0; resample < kResamples; ++resample) {
-    Sums sums;
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t g = rng.below(count);
-      sums.add(last_.poses[g], last_.poses[g], expected_[g]);
-    }
-    if (!(sums.points > 0.0)) return {0.0, 0.0};
-    const double after = sums.after / sums.points, expected = std::min(after, sums.expected / sums.points);
+    Sums here, elsewhere;
+    for (std::size_t k = 0; k < count; ++k) add(resample, here);
+    for (std::size_t k = 0; k < others; ++k) add(resample, elsewhere);
+    if (!(here.points > 0.0) || !(elsewhere.points > 0.0)) return {0.0, 0.0};
+    const double after = std::max(0.0, here.left()), expected = std::min(after, elsewhere.expected / elsewhere.points);
     const double chance = noise_.chance * rng.normal();
     most.push_back(std::sqrt(std::clamp(after - noise_.least * (1.0 + chance), expected, after)));
     least.push_back(std::sqrt(std::clamp(after - noise_.random * (1.0 + chance), expected, after)));
@@ -202,11 +244,8 @@ std::pair<double, double> Gap::remaining() const {
 }
 
 Gap::Drawn Gap::drawn(const Rung& before, const Rung& after) const {
-  constexpr std::size_t kTestPoses = 60;
-  const std::size_t count = before.poses.size();
+  const std::size_t count = before.poses.size(), others = posesOfBoth(count);
   Rng rng = resampling_;
-  // These poses are a sample, and so are those on which somebody looks again: both means scatter, as one over so many poses does.
-  const std::size_t again = std::min<std::size_t>(count, kTestPoses), others = std::max<std::size_t>(1, count * again / (count + again));
   const std::vector<SlipTime> slips = slipTimes(selection_);
   const bool any_shape = hasAnyShape(selection_);
   Drawn drawn;
@@ -214,7 +253,7 @@ Gap::Drawn Gap::drawn(const Rung& before, const Rung& after) const {
     Sums sums;
     for (std::size_t k = 0; k < others; ++k) {
       const std::size_t g = rng.below(count);
-      sums.add(before.poses[g], after.poses[g], drawn_(static_cast<Eigen::Index>(g), resample % drawn_.cols()));
+      sums.add(before.poses[g], after.poses[g], drawn_(static_cast<Eigen::Index>(g), resample % drawn_.cols()), fewer_[g]);
     }
     double kept = 0.0;
     for (const SlipTime& slip : slips) kept += slip.draw(kTestPoses, rng);
@@ -223,7 +262,7 @@ Gap::Drawn Gap::drawn(const Rung& before, const Rung& after) const {
     constexpr double kFollowed = 0.5, kMisfit = 0.05;
     if (any_shape && rng.uniform() > kFollowed) kept += kMisfit * std::exp(rng.normal());
     kept *= std::max(0.0, sums.before - sums.after) / sums.points;
-    const double mean = sums.after / sums.points, expected = sums.expected / sums.points;
+    const double mean = sums.left(), expected = sums.expected / sums.points;
     // It is chance or it is not: half of it is neither.
     const double more = rng.uniform() < unexplained_ ? std::max(0.0, mean - noise_.random - expected) : 0.0;
     drawn.foretold.push_back(sums.shrinkage(expected + more + kept));
@@ -236,7 +275,7 @@ Shrinkage Gap::shrinkage(const Rung& before, const Rung& after, const std::vecto
                          const std::optional<Rung>& kept) const {
   Shrinkage shrinkage;
   Sums all;
-  for (std::size_t g = 0; g < before.poses.size(); ++g) all.add(before.poses[g], after.poses[g], expected_[g]);
+  for (std::size_t g = 0; g < before.poses.size(); ++g) all.add(before.poses[g], after.poses[g], expected_[g], fewer_[g]);
   if (!(all.points > 0.0)) return shrinkage;
   shrinkage.value = all.shrinkage(std::max(0.0, meanSquare(after) - subtracted_));
   Drawn judged = drawn(before, after);
@@ -258,7 +297,7 @@ double Gap::lowerEnd(const RungPair& rungs) const {
     Sums sums;
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t g = rng.below(count);
-      sums.add(rungs.before.poses[g], rungs.after.poses[g], expected_[g]);
+      sums.add(rungs.before.poses[g], rungs.after.poses[g], expected_[g], 0.0);
     }
     const double noise = noise_.least * (1.0 + noise_.chance * rng.normal());
     values.push_back(sums.shrinkage(std::max(sums.expected, sums.after - sums.points * noise) / sums.points));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/folds.hpp"
 #include "diagnosis/measurement_noise.hpp"
 #include "diagnosis/selection.hpp"
 #include "poecal/core/random.hpp"
@@ -37,15 +38,16 @@ struct RungPair {
 /// of its fit, a, and noise^2 = rms^2 - a there; the farther it is, the more of it is excess. The noise is at most any rung's rms.
 class Gap {
  public:
-  /// @param rungs  all of them, of which the last has all findings.
-  Gap(const Selection& selection, const MeasurementNoise& noise, const std::vector<Rung>& rungs, std::uint64_t seed);
+  /// @param rungs  all of them, of which the last has all findings. @param folds  the poses that its fits did not see, each in turn.
+  Gap(const Selection& selection, const MeasurementNoise& noise, const std::vector<Rung>& rungs, const Folds& folds, std::uint64_t seed);
 
   GapStage stageOf(const Rung& rung) const;
   /// Of a point [px] or [m], as it is subtracted.
   double noiseRms() const;
   /// Root of least and of most that it may be, neither above any rung's rms.
   std::pair<double, double> noiseBounds() const;
-  /// 95 % interval of the last rung's excess: the noise anywhere within its bounds, and the poses a sample.
+  /// 95 % interval of the last rung's excess: the noise anywhere within its bounds, the poses a sample, and what the fit may be off by
+  /// drawn from its covariance.
   std::pair<double, double> remaining() const;
   /// 1 - excess(after) / excess(before), and where it lies 95 times in 100. The lower end takes the squares of `after` as they were
   /// measured, less the least noise, at their upper end, and the worst of the ways to hold out poses; the upper end may take them from the
@@ -67,7 +69,8 @@ class Gap {
   const Selection& selection_;
   MeasurementNoise noise_;
   std::vector<double> expected_;  ///< squares of each pose that the uncertainty of a fit without it makes
-  Eigen::MatrixXd drawn_;         ///< the same by drawn parameters, poses x draws; empty without findings
+  std::vector<double> fewer_;     ///< what a fit without the whole fold makes more
+  Eigen::MatrixXd drawn_;         ///< the same by drawn parameters, poses x draws
   Rung last_;
   double subtracted_ = 0.0;   ///< mean square of the noise
   double lowest_ = 0.0;       ///< least mean square of any rung

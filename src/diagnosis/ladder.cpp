@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <set>
 
 #include "diagnosis/refit.hpp"
@@ -32,7 +33,9 @@ bool wasChosen(const Accepted& one) { return one.candidate.isWaves() && !one.can
 
 Ladder::Ladder(const Selection& selection, const MeasuredCell& all, const Identification& identification, int folds, std::uint64_t seed)
     : selection_(selection), all_(all), identification_(identification) {
-  if (hasWaves()) waves_.emplace(*selection.measured.start.arm, selection.measured.samples);
+  std::vector<std::size_t> findings(selection.findings.size());
+  std::iota(findings.begin(), findings.end(), 0);
+  if (hasWaves(findings)) waves_.emplace(*selection.measured.start.arm, selection.measured.samples);
   const std::set<std::size_t> bad(selection.bad.begin(), selection.bad.end());
   for (std::size_t k = 0; k < all.observations.size(); ++k) {
     every_.push_back(k);
@@ -131,35 +134,41 @@ Rung Ladder::identifiedRung(HeldOut kind) const {
 
 Rung Ladder::fitted(const std::string& stage, HeldOut kind, const ModelState& start, const std::vector<Accepted>& accepted,
                     const std::vector<std::size_t>& scatter, const NoiseEstimate& noise, Waves waves) const {
-  const bool anew = waves == Waves::kChosenAnew && std::any_of(accepted.begin(), accepted.end(), wasChosen);
+  const auto fit = [&](const Fitted& from, const Groups& poses) {
+    return refit(selection_.measured, from.state, from.accepted, scatter, noise, poses, false);
+  };
+  const auto fittedBy = [](const Linearised& linear) { return Fitted{linear.state, linear.accepted}; };
+  std::vector<Accepted> known, chosen;
+  const bool anew = waves == Waves::kChosenAnew;
+  std::partition_copy(accepted.begin(), accepted.end(), std::back_inserter(chosen), std::back_inserter(known),
+                      [anew](const Accepted& one) { return anew && wasChosen(one); });
+  // A long way that all folds share, where some of the findings are missing, is gone once.
+  const Fitted all = known.empty() ? Fitted{start, {}} : fittedBy(fit({start, known}, selection_.measured.groups));
   return judged(stage, kind, [&](const Groups& train) {
-    const std::vector<Accepted> taken = anew ? chosenAnew(start, accepted, scatter, noise, train) : accepted;
-    const Linearised linear = refit(selection_.measured, start, taken, scatter, noise, train, false);
-    return Fitted{linear.state, linear.accepted};
+    const Linearised one = fit(all, train);
+    return fittedBy(chosen.empty() ? one : fit(withWaves(one, chosen), train));
   });
 }
 
-std::vector<Accepted> Ladder::chosenAnew(const ModelState& start, const std::vector<Accepted>& accepted,
-                                         const std::vector<std::size_t>& scatter, const NoiseEstimate& noise, const Groups& train) const {
-  std::vector<Accepted> all;
-  std::copy_if(accepted.begin(), accepted.end(), std::back_inserter(all), [](const Accepted& one) { return !wasChosen(one); });
-  const Linearised without = refit(selection_.measured, start, all, scatter, noise, train, false);
-  for (const Accepted& one : accepted) {
-    if (!wasChosen(one)) continue;
+Ladder::Fitted Ladder::withWaves(const Linearised& without, const std::vector<Accepted>& chosen) const {
+  Fitted fitted{without.state, without.accepted};
+  for (const Accepted& one : chosen) {
     Accepted made = one;
     const std::size_t most = one.candidate.curve->terms.size();
     std::optional<Candidate> waves = wavesAt(selection_.measured, without, *waves_, one.candidate.curve->place.index, most);
     if (!waves) continue;
     made.candidate = std::move(*waves);
     made.factors = Eigen::VectorXd::Zero(made.candidate.typical.size());
-    all.push_back(std::move(made));
+    fitted.accepted.push_back(std::move(made));
   }
-  return all;
+  return fitted;
 }
 
-bool Ladder::hasWaves() const {
-  return std::any_of(selection_.findings.begin(), selection_.findings.end(),
-                     [](const FoundEffect& found) { return found.accepted && found.accepted->candidate.isWaves(); });
+bool Ladder::hasWaves(const std::vector<std::size_t>& findings) const {
+  return std::any_of(findings.begin(), findings.end(), [this](std::size_t i) {
+    const FoundEffect& found = selection_.findings[i];
+    return found.accepted && found.accepted->candidate.isWaves();
+  });
 }
 
 Rung Ladder::rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind, Waves waves) const {

@@ -28,8 +28,10 @@ class Ladder {
   Rung identifiedRung(HeldOut kind) const;
   /// The identified model with some of the findings.
   Rung rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind, Waves waves) const;
-  /// Whether there are waves among the findings: otherwise either choice of Waves gives the same.
-  bool hasWaves() const;
+  /// Which poses are held out in turn.
+  const Folds& folds(HeldOut kind) const { return folds_.at(kind); }
+  /// Whether there are waves among some of the findings: otherwise either choice of Waves gives the same.
+  bool hasWaves(const std::vector<std::size_t>& findings) const;
 
   /// The ways beside random ones in which poses can be held out. What moves with time asks for poses from before and after: stretches of
   /// time that are held out tell nothing of it.
@@ -46,9 +48,8 @@ class Ladder {
   Rung judged(const std::string& stage, HeldOut kind, Fit fit) const;
   Rung fitted(const std::string& stage, HeldOut kind, const ModelState& start, const std::vector<Accepted>& accepted,
               const std::vector<std::size_t>& scatter, const NoiseEstimate& noise, Waves waves) const;
-  /// What was taken up, with waves chosen anew by these poses.
-  std::vector<Accepted> chosenAnew(const ModelState& start, const std::vector<Accepted>& accepted, const std::vector<std::size_t>& scatter,
-                                   const NoiseEstimate& noise, const Groups& train) const;
+  /// A model with waves beside it, for each of those that were chosen one of what its own poses leave.
+  Fitted withWaves(const Linearised& without, const std::vector<Accepted>& chosen) const;
   /// Folds of the identification, as numbers of groups; a pose that a fold splits goes with its first row.
   Folds identificationFolds() const;
   void addErrors(const MeasuredCell& measured, const Linearised& at, const std::vector<std::size_t>& numbers, ErrorCollector& errors) const;

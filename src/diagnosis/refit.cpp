@@ -111,6 +111,7 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
   }
   constexpr int kMaxSteps = 40;                  // the shortened ones too: ways through a valley take some thirty
   constexpr double kSettled = 0.01;              // standard deviations
+  constexpr double kNothing = 1e-6;              // of the misfit: where that is far beyond the noise, deviations of the fit tell little
   constexpr int kNoiseSteps = 2;                 // the second sees residuals that no longer change
   constexpr double kShortest = 0.01;             // share of a step below which there is no way down
   int noises = new_noise ? kNoiseSteps - 1 : 0;  // still to be estimated anew
@@ -122,7 +123,8 @@ Linearised refit(const MeasuredCell& measured, ModelState state, std::vector<Acc
   }
   FitPoint place = fitPoint(here);
   double share = 1.0;
-  for (int step = 1; step <= kMaxSteps && share >= kShortest && largestMove(place.noise) >= kSettled; ++step) {
+  const auto atEnd = [&] { return largestMove(place.noise) < kSettled || promised(place.noise) < kNothing * place.misfit; };
+  for (int step = 1; step <= kMaxSteps && share >= kShortest && !atEnd(); ++step) {
     here = {};  // the bulk of the memory; the next one need not stand beside it
     const FitPoint next = moved(measured, place, share);
     here = linearise(measured, next.state, next.accepted, scatter, groups);

@@ -14,10 +14,10 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSecondsInAnHour = 3600.0;
 
+/// Gravity's load on the arm where its chain has it.
 void addGravity(const CaptureContext& capture, SampleContext& context) {
   const Arm& arm = *capture.cell.arm;
   const auto n = static_cast<Eigen::Index>(arm.joints.size());
-  context.chain = forwardChain(arm, context.sample.q);
   const ArmChain& chain = context.chain;
   context.joint_twists = spaceJacobian(arm, chain);
   const double payload = context.sample.payload.value_or(0.0);
@@ -38,6 +38,24 @@ void addGravity(const CaptureContext& capture, SampleContext& context) {
   for (Eigen::Index k = 0; k < n; ++k) {
     context.moment_body.col(k) = chain.P[static_cast<std::size_t>(k) + 1].linear().transpose() * load.carried.col(k).head<3>();
   }
+}
+
+/// The chain of an arm at the same readings as that of another arm. Joints that are the same in both keep their motion.
+ArmChain movedChain(const Arm& arm, const Arm& other, const ArmChain& chain, const Eigen::VectorXd& q) {
+  ArmChain moved;
+  moved.P.reserve(chain.P.size());
+  moved.P.push_back(chain.P.front());
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  // of all bodies beyond the last joint that differs
+  for (std::size_t k = 0; k < arm.joints.size(); ++k) {
+    if (arm.joints[k].xi == other.joints[k].xi) {
+      moved.P.push_back(motion * chain.P[k + 1]);
+      continue;
+    }
+    moved.P.push_back(moved.P.back() * expSe3(arm.joints[k].xi * q(static_cast<Eigen::Index>(k))));
+    motion = moved.P.back() * chain.P[k + 1].inverse();
+  }
+  moved.T_base_flange = arm.gamma == other.gamma ? motion * chain.T_base_flange : moved.P.back() * expSe3(arm.gamma);
+  return moved;
 }
 
 /// Motion of the corner where the edges from `before` and to `after` meet, when both move out by 1 px, away from `center`.
@@ -121,6 +139,17 @@ Eigen::Vector3d SampleContext::momentOf(const Vector6d& wrench, std::size_t k) c
   return chain.P[k + 1].linear().transpose() * (wrench.head<3>() - anchor_base.cross(wrench.tail<3>()));
 }
 
+SampleContext SampleContext::loadOf(const std::shared_ptr<const CaptureContext>& other) const {
+  SampleContext moved;
+  moved.capture = other;
+  moved.number = number;
+  moved.sample = sample;
+  if (chain.P.empty()) return moved;
+  moved.chain = movedChain(*other->cell.arm, *capture->cell.arm, chain, sample.q);
+  addGravity(*other, moved);
+  return moved;
+}
+
 std::shared_ptr<const CaptureContext> makeCaptureContext(const Cell& cell, const Target& target, const Eigen::Vector3d& gravity,
                                                          const std::vector<Sample>& samples,
                                                          const std::vector<std::string>& other_columns) {
@@ -149,7 +178,10 @@ SampleContext makeSampleContext(const std::shared_ptr<const CaptureContext>& cap
   context.capture = capture;
   context.number = number;
   context.sample = sample;
-  if (capture->cell.arm && sample.q.size() > 0) addGravity(*capture, context);
+  if (capture->cell.arm && sample.q.size() > 0) {
+    context.chain = forwardChain(*capture->cell.arm, sample.q);
+    addGravity(*capture, context);
+  }
   addPoints(*capture, points, context);
   return context;
 }

@@ -17,7 +17,7 @@ Example:
     where: joint:6, driven by q5
     which: joint_coupling: another joint's motion leaks into this one (99.9 % sure or more)
            ratio 0.0009735 +- 4.9e-05, source 5
-    how far: the gap shrinks by 72 % (43 % to 81 %)
+    how far: the gap shrinks by 72 % (43 % to 80 %)
     what to do: enter the coupling ratio of the wrist's gears in the controller
 )";
 

@@ -59,6 +59,10 @@ struct SampleContext {
   /// such value. @param reference  NaN: the first of the capture.
   double elapsed(DriverKind driver, double reference) const;
 
+  /// The same sample with gravity's load as the arm of another context of its capture takes it, without points: makeSampleContext() for
+  /// arms that differ in a few joints, which costs less.
+  SampleContext loadOf(const std::shared_ptr<const CaptureContext>& other) const;
+
   /// Column c of the wrench above as joint k (from 0) takes it: its torque, and the moment that it carries about its anchor, in the frame
   /// of body k. Zero for bodies before the joint.
   double torqueByMasses(std::size_t k, Eigen::Index c) const;
