@@ -10,6 +10,7 @@
 #include "camera/intrinsics_fit.hpp"
 #include "camera/intrinsics_judgement.hpp"
 #include "camera/intrinsics_start.hpp"
+#include "camera/picture_focal.hpp"
 #include "poecal/core/error.hpp"
 #include "poecal/core/statistics.hpp"
 
@@ -241,6 +242,8 @@ IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int wi
     result.warnings.push_back(
         fmt::format("the fit did not settle within {} iterations: a model with fewer coefficients may be enough", options.max_iterations));
   }
+  const std::string zoomed = otherFocalLengths(chosen.camera, views, result.views);
+  if (!zoomed.empty()) result.warnings.push_back(zoomed);
   for (const std::string& warning : coefficientWarnings(chosen)) result.warnings.push_back(warning);
   constexpr double kLittleTilt_rad = 15.0 * M_PI / 180.0;
   const double spread = tiltSpread(used.views, used.fit.estimate.T_camera_target);

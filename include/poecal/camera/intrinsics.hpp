@@ -102,6 +102,7 @@ struct IntrinsicsResult {
 /// out of range.
 /// @throws InsufficientData: fewer than 3 usable pictures, fewer numbers than unknowns, or a focal length or principal point that the
 /// pictures leave open (all boards parallel to the image plane).
+/// @throws ImplausibleInput: more than a quarter of the pictures have another focal length than the others.
 IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int width, int height, const IntrinsicsOptions& options);
 
 }  // namespace poecal
