@@ -47,6 +47,7 @@ std::vector<double> squaresWithout(const Folds& folds, const Linearised& linear,
   const Eigen::MatrixXd root = rootOf(linear.noise.covariance);
   std::vector<double> squares(whitening.poses());
   for (const std::vector<std::size_t>& fold : folds) {
+    if (fold.empty()) continue;  // all its poses were set aside
     Eigen::Index size = 0;
     for (const std::size_t g : fold) size += whitening.size(g);
     Eigen::MatrixXd B(root.cols(), size);

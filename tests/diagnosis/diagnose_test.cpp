@@ -172,6 +172,15 @@ TEST(Diagnose, WildRowsAreListedAndNothingElse) {
   EXPECT_EQ(diagnosis.bad_samples[1].sample, 31u);
 }
 
+// Of so few poses each is held out alone: without the wild one there is a turn in which nothing judges.
+TEST(Diagnose, OfFewPosesAWildOneIsListed) {
+  test::SmallCell small = test::smallCell(5, 24, kSigma, {});
+  for (CornerMeasurement& corner : small.observations[7].corners) corner.px.x() += 20.0 + 5.0 * corner.id.corner;
+  const Diagnosis diagnosis = small.diagnosis();
+  ASSERT_THAT(diagnosis.bad_samples, SizeIs(1));
+  EXPECT_EQ(diagnosis.bad_samples[0].sample, 7u);
+}
+
 TEST(Diagnose, AWildShotGoesWithoutItsTwin) {
   test::SmallCell small = test::smallCell(5, 80, kSigma, {});
   // Every second row becomes another shot of the pose before it.
