@@ -24,7 +24,9 @@ EffectKind targetScale() {
   kind.formula = "p + scale (p - centre)";
   kind.confused_with = {"focal_length", "joint_gain"};
   kind.separate = "nothing in pictures of one arm whose lengths are free: it then shows as an arm that grew; measure the target";
-  kind.remedy = "measure the printed target with a calliper and say its true size";
+  kind.remedy =
+      "measure the printed target with a calliper and say its true size; if that is as stated, the arm is larger or smaller than its file "
+      "says";
   kind.moves_points = true;
   kind.add_derivative = addDerivative;
   return kind;

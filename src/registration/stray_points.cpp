@@ -99,7 +99,7 @@ std::set<PointId> strayPoints(const Problem& problem, const Points& points) {
   for (int trial = 0; trial < kTrials; ++trial) {
     for (std::size_t k = 0; k < kTogether; ++k) std::swap(ids[k], ids[k + rng.below(ids.size() - k)]);
     const std::map<PointId, double> by_few = leftOfEach(problem, std::set<PointId>(ids.begin() + kTogether, ids.end()));
-    if (by_few.size() < points.size()) continue;
+    if (by_few.size() <= kept) continue;
     const std::set<PointId> left_out = farthest(by_few, kept);
     const double rms = rmsOf(by_few, left_out);
     if (rms >= least) continue;
@@ -110,7 +110,7 @@ std::set<PointId> strayPoints(const Problem& problem, const Points& points) {
   // Of those that were left out some are where they should be.
   const std::map<PointId, double> left = leftOfEach(problem, best);
   const double limit = kBeside * kBeside * std::pow(rmsOf(left, best), 2);
-  std::erase_if(best, [&](const PointId& id) { return left.at(id) <= limit; });
+  std::erase_if(best, [&](const PointId& id) { return !left.contains(id) || left.at(id) <= limit; });
   return best;
 }
 
