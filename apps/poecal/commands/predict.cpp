@@ -60,6 +60,26 @@ Example:
   predicted corners for 60 samples: predicted.csv
 )";
 
+/// One sentence for each effect that follows what the order of the rows stands in for.
+std::vector<std::string> standInWarnings(const Model& model, const RowOrder& order) {
+  std::vector<std::string> warnings;
+  for (const AppliedEffect& applied : model.effects) {
+    const DriverKind kind = applied.effect.driver().kind();
+    const std::string what = applied.effect.name() + " at " + applied.effect.location();
+    if (kind == DriverKind::kStamp && order.stamp) {
+      warnings.push_back(what +
+                         " follows the time, and these samples have no stamp: their row numbers stand in, as if they were taken with "
+                         "the capture that the model was made from, row by row");
+    }
+    if (kind == DriverKind::kDirection && order.dir) {
+      warnings.push_back(what +
+                         " follows the side that a joint came from, and these samples have no dir columns: each row is taken to come "
+                         "straight from the one before");
+    }
+  }
+  return warnings;
+}
+
 }  // namespace
 
 std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
@@ -95,7 +115,7 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
       }
     }
     // As a diagnosis found the effects.
-    standInByRowOrder(samples);
+    TerminalListener(common).warnings(standInWarnings(model, standInByRowOrder(samples)));
     const std::vector<Disturbance> disturbances = disturbancesOf(model.effects, model.cell, model.target.value_or(Target{}),
                                                                  capture.gravity, samples, false, capture.table.other_columns);
     const bool poses = options->poses || !options->joints.empty();
