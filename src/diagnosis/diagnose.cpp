@@ -99,11 +99,16 @@ bool isSmall(const MeasuredCell& measured) {
   return measured.groups.size() <= kFew;
 }
 
-/// Whether a finding serves poses that its fit did not see. What is beyond doubt need only not harm them: an effect that shows in a few
-/// poses gains too little in the mean of all to stand out of their scatter.
-bool servesOthers(const FoundEffect& found, double gain) {
+/// Whether a finding serves poses that its fit did not see. An effect beyond doubt that shows in a few poses gains too little in the mean
+/// of all to stand out of their scatter: of a name it is then enough that the others do not lose what these gain. Structure without a name
+/// need only not harm them. @param without, with  rungs of the model without the finding and with it.
+bool servesOthers(const FoundEffect& found, const Rung& without, const Rung& with) {
   constexpr double kBeyondChance = 1.96, kBeyondDoubt = 20.0;
-  return gain > (found.log_bayes > kBeyondDoubt ? 0.0 : kBeyondChance);
+  constexpr double kLost = 0.25;  // where all poses see it and it is 1.96 standard errors, the losses of chance are so much of the gains
+  const double gained = gain(without, with);
+  if (gained > kBeyondChance) return true;
+  if (found.log_bayes <= kBeyondDoubt) return false;
+  return found.isUnknown() ? gained > 0.0 : lostShare(without, with) < kLost;
 }
 
 /// What the whole model is judged by: rungs with all findings and with none, other poses held out together.
@@ -190,7 +195,7 @@ Climbed climb(const Selection& selection, const MeasuredCell& measured, const Id
     const Rung without_kept = others.empty() || choices == 1 ? without : rungOf("", others, Waves::kKept);
     diagnosis.findings[i].shrinkage = others.empty() ? diagnosis.shrinkage : gap.shrinkage(without, all, {}, with_waves);
     climbed.ratios.push_back(errorOf(without_kept) / std::max(errorOf(kept), 1e-12));
-    climbed.serves.push_back(servesOthers(selection.findings[i], gain(without_kept, kept)));
+    climbed.serves.push_back(servesOthers(selection.findings[i], without_kept, kept));
   }
   constexpr double kWorse = 1.05;
   climbed.worse = errorOf(kept) > kWorse * errorOf(identified);
@@ -297,8 +302,10 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
     }
     const bool hollow = isHollow(selection, climbed, useless);
     if (diagnosis.findings[useless].effect != kUnknownEffect && (isSmall(measured) || hollow)) {
-      const bool again = hollow && refuse(selection.findings[useless], limits);
-      (again ? refused : possibilities).push_back(diagnosis.findings[useless]);
+      // What was found after it may be of use without it. Where nothing was, the next best name would only stand in its place.
+      const bool others = useless + 1 < diagnosis.findings.size();
+      const bool again = (hollow || others) && refuse(selection.findings[useless], limits);
+      (again && hollow ? refused : possibilities).push_back(diagnosis.findings[useless]);
       if (!again) limits.most = useless;
       continue;
     }

@@ -165,6 +165,15 @@ double beyondChance(double more, double sigma) {
 
 std::pair<double, double> middle(std::vector<double>& values) { return {quantile(values, 0.025), quantile(values, 0.975)}; }
 
+/// Squares that each pose is better off by.
+std::vector<double> gainsOf(const Rung& before, const Rung& after) {
+  std::vector<double> gains;
+  for (std::size_t g = 0; g < before.poses.size(); ++g) {
+    gains.push_back(before.whitened.empty() ? before.poses[g].squares - after.poses[g].squares : before.whitened[g] - after.whitened[g]);
+  }
+  return gains;
+}
+
 constexpr int kResamples = 2000;
 constexpr std::size_t kTestPoses = 60;
 
@@ -311,15 +320,20 @@ double rmsOf(const Rung& rung) { return std::sqrt(meanSquare(rung)); }
 double errorOf(const Rung& rung) { return rung.whitened.empty() ? rmsOf(rung) : std::sqrt(mean(rung.whitened)); }
 
 double gain(const Rung& before, const Rung& after) {
+  const std::vector<double> gains = gainsOf(before, after);
   double sum = 0.0, squares = 0.0;
-  for (std::size_t g = 0; g < before.poses.size(); ++g) {
-    const double difference =
-        before.whitened.empty() ? before.poses[g].squares - after.poses[g].squares : before.whitened[g] - after.whitened[g];
-    sum += difference;
-    squares += difference * difference;
+  for (const double one : gains) {
+    sum += one;
+    squares += one * one;
   }
-  const double variance = squares - sum * sum / static_cast<double>(before.poses.size());
+  const double variance = squares - sum * sum / static_cast<double>(gains.size());
   return variance > 0.0 ? sum / std::sqrt(variance) : 0.0;
+}
+
+double lostShare(const Rung& before, const Rung& after) {
+  double gained = 0.0, lost = 0.0;
+  for (const double one : gainsOf(before, after)) (one > 0.0 ? gained : lost) += std::abs(one);
+  return gained > 0.0 ? lost / gained : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace poecal

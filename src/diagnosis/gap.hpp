@@ -89,4 +89,7 @@ double errorOf(const Rung& rung);
 /// errors.
 double gain(const Rung& before, const Rung& after);
 
+/// What some of these poses lose by the other rung, as a share of what the others gain; infinity where none gains.
+double lostShare(const Rung& before, const Rung& after);
+
 }  // namespace poecal

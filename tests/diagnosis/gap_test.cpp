@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 
@@ -124,6 +125,24 @@ TEST(Gap, ScatterWithoutRepeatsIsNeverSure) {
     EXPECT_THAT(finding.separate_with, HasSubstr("taken again"));
   }
   EXPECT_LT(diagnosis.shrinkage.interval.first, 0.5) << "nobody foretells it";
+}
+
+Rung rungOf(const std::vector<double>& squares) {
+  Rung rung;
+  for (const double one : squares) rung.poses.push_back({one, 4.0});
+  return rung;
+}
+
+// What shows in one pose of ten is far from significant in their mean, though none of the others loses by it.
+TEST(Gains, OfAFewPosesAreNotLostByTheOthers) {
+  const std::vector<double> before(10, 9.0);
+  std::vector<double> after = before;
+  after[3] = 1.0;
+  EXPECT_NEAR(gain(rungOf(before), rungOf(after)), 1.0 / std::sqrt(0.9), 1e-12);
+  EXPECT_EQ(lostShare(rungOf(before), rungOf(after)), 0.0);
+  after[5] = 15.0;
+  EXPECT_EQ(lostShare(rungOf(before), rungOf(after)), 0.75);
+  EXPECT_EQ(lostShare(rungOf(after), rungOf(after)), std::numeric_limits<double>::infinity());
 }
 
 MeasuredCell measuredOf(const test::SmallCell& small) {
