@@ -26,36 +26,41 @@ struct Sums {
   }
   /// Mean square after, as a fit to all other poses would have left it.
   double left() const { return (after - fewer) / points; }
-  /// 1 - excess after / excess before, as roots. @param left  mean square of the excess after. Where chance makes that of before less than
+  /// 1 - excess after / excess before, as roots. @param excess  mean square of that after. Where chance makes that of before less than
   /// that of after, a quarter of it: who takes away what helps does not come out with nothing.
-  double shrinkage(double left) const {
-    const double there = std::max((before - after) / points + left, 0.25 * left);
-    return there > 0.0 ? 1.0 - std::sqrt(left / there) : 0.0;
+  double shrinkage(double excess) const {
+    const double there = std::max((before - after) / points + excess, 0.25 * excess);
+    return there > 0.0 ? 1.0 - std::sqrt(excess / there) : 0.0;
   }
 };
 
-/// R with R R' = covariance.
-Eigen::MatrixXd rootOf(const Eigen::MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
+/// What a fit may be off by: its columns times R, R R' the covariance of its parameters, and the noise of its poses.
+struct Uncertainty {
+  explicit Uncertainty(const Linearised& linear)
+      : moves(linear.allColumns() * rootOf(linear.noise.covariance)),
+        weights(squareWeights(linear.rows)),
+        whitening(linear.rows, linear.components, linear.noise.theta) {}
+  auto movesOf(std::size_t g) const { return moves.middleRows(whitening.begin(g), whitening.size(g)); }
+  auto weightsOf(std::size_t g) const { return weights.segment(whitening.begin(g), whitening.size(g)); }
 
-/// Squares of each pose that the uncertainty of a fit without its fold makes. With R R' the covariance of the whole fit, C = L L' the noise
-/// and B = R' X' L'^-1 of the fold, leaving it out makes the covariance R (1 - B B')^-1 R'.
-std::vector<double> squaresWithout(const Folds& folds, const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights) {
-  const Whitening whitening(linear.rows, linear.components, linear.noise.theta);
-  const Eigen::MatrixXd root = rootOf(linear.noise.covariance);
-  std::vector<double> squares(whitening.poses());
+  Eigen::MatrixXd moves;
+  Eigen::VectorXd weights;
+  Whitening whitening;
+};
+
+/// Squares of each pose that the uncertainty of a fit without its fold makes. With C = L L' the noise, M the moves of the fold and
+/// B = M' L'^-1, leaving it out makes the covariance of the fold's rows M (1 - B B')^-1 M'.
+std::vector<double> squaresWithout(const Folds& folds, const Uncertainty& fit) {
+  std::vector<double> squares(fit.whitening.poses());
   for (const std::vector<std::size_t>& fold : folds) {
     if (fold.empty()) continue;  // all its poses were set aside
     Eigen::Index size = 0;
-    for (const std::size_t g : fold) size += whitening.size(g);
-    Eigen::MatrixXd B(root.cols(), size);
+    for (const std::size_t g : fold) size += fit.whitening.size(g);
+    Eigen::MatrixXd B(fit.moves.cols(), size);
     Eigen::Index begin = 0;
     for (const std::size_t g : fold) {
-      const Eigen::MatrixXd part = X.middleRows(whitening.begin(g), whitening.size(g)) * root;
-      B.middleCols(begin, part.rows()) = whitening.applyTo(g, part).transpose();
-      begin += part.rows();
+      B.middleCols(begin, fit.whitening.size(g)) = fit.whitening.applyTo(g, fit.movesOf(g)).transpose();
+      begin += fit.whitening.size(g);
     }
     // Of B B' and B' B the smaller one; the eigenvalues of either that are not 0 lie between 0 and 1.
     const bool thin = B.cols() < B.rows();
@@ -67,9 +72,8 @@ std::vector<double> squaresWithout(const Folds& folds, const Linearised& linear,
     const Eigen::MatrixXd directions = thin ? Eigen::MatrixXd(B * share.eigenvectors()) : share.eigenvectors();
     const Eigen::VectorXd more = thin ? Eigen::VectorXd(left.inverse()) : Eigen::VectorXd(taken / left);
     for (const std::size_t g : fold) {
-      const Eigen::MatrixXd part = X.middleRows(whitening.begin(g), whitening.size(g)) * root;
-      const Eigen::VectorXd variances = part.rowwise().squaredNorm() + (part * directions).cwiseAbs2() * more;
-      squares[g] = variances.dot(weights.segment(whitening.begin(g), whitening.size(g)));
+      const Eigen::VectorXd variances = fit.movesOf(g).rowwise().squaredNorm() + (fit.movesOf(g) * directions).cwiseAbs2() * more;
+      squares[g] = variances.dot(fit.weightsOf(g));
     }
   }
   return squares;
@@ -82,19 +86,14 @@ Folds eachAlone(std::size_t poses) {
 }
 
 /// Squares that the parameters make at each pose when they are drawn from their covariance, poses x draws; their mean is `expected`.
-Eigen::MatrixXd drawnSquares(const Linearised& linear, const Eigen::MatrixXd& X, const Eigen::VectorXd& weights,
-                             const std::vector<double>& expected, int draws, Rng& rng) {
-  const Eigen::MatrixXd moved = weights.cwiseSqrt().asDiagonal() * (X * rootOf(linear.noise.covariance));
-  const Eigen::MatrixXd errors = Eigen::MatrixXd::NullaryExpr(moved.cols(), draws, [&rng] { return rng.normal(); });
+Eigen::MatrixXd drawnSquares(const Uncertainty& fit, const std::vector<double>& expected, int draws, Rng& rng) {
+  const Eigen::MatrixXd errors = Eigen::MatrixXd::NullaryExpr(fit.moves.cols(), draws, [&rng] { return rng.normal(); });
   Eigen::MatrixXd squares(static_cast<Eigen::Index>(expected.size()), draws);
-  Eigen::Index begin = 0;
   for (std::size_t g = 0; g < expected.size(); ++g) {
-    const int size = linear.rows.groupSize(g);
-    const auto part = moved.middleRows(begin, size);
+    const Eigen::MatrixXd part = fit.weightsOf(g).cwiseSqrt().asDiagonal() * fit.movesOf(g);
     // What the fit saw of the pose makes it better known than it is to a fit that did not.
     const double unseen = expected[g] / std::max(part.squaredNorm(), std::numeric_limits<double>::min());
     squares.row(static_cast<Eigen::Index>(g)) = unseen * (part * errors).colwise().squaredNorm();
-    begin += size;
   }
   return squares;
 }
@@ -188,13 +187,12 @@ std::size_t posesOfBoth(std::size_t count) {
 
 Gap::Gap(const Selection& selection, const MeasurementNoise& noise, const std::vector<Rung>& rungs, const Folds& folds, std::uint64_t seed)
     : selection_(selection), noise_(noise), last_(rungs.back()), resampling_(seed, 1) {
-  const Eigen::MatrixXd X = selection.linear.allColumns();
-  const Eigen::VectorXd weights = squareWeights(selection.linear.rows);
-  expected_ = squaresWithout(eachAlone(selection.linear.rows.groups.size()), selection.linear, X, weights);
-  fewer_ = squaresWithout(folds, selection.linear, X, weights);
+  const Uncertainty fit(selection.linear);
+  expected_ = squaresWithout(eachAlone(fit.whitening.poses()), fit);
+  fewer_ = squaresWithout(folds, fit);
   for (std::size_t g = 0; g < fewer_.size(); ++g) fewer_[g] -= expected_[g];
   constexpr int kDraws = 400;
-  drawn_ = drawnSquares(selection.linear, X, weights, expected_, kDraws, resampling_);
+  drawn_ = drawnSquares(fit, expected_, kDraws, resampling_);
   lowest_ = std::numeric_limits<double>::infinity();
   for (const Rung& rung : rungs) lowest_ = std::min(lowest_, meanSquare(rung));
   Sums sums;

@@ -148,8 +148,7 @@ class WaveSearch {
   /// @param folds  outlive this, as all do.
   WaveSearch(const WaveFolds& folds, const Linearised& linear, const WaveDictionary& dictionary)
       : linear_(linear), waves_(dictionary, linear), folds_(folds) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> known(linear.noise.covariance);
-    const Eigen::MatrixXd root = known.eigenvectors() * known.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    const Eigen::MatrixXd root = rootOf(linear.noise.covariance);
     for (std::size_t k = 0; k < folds_.joints(); ++k) {
       const PortSums& sums = folds_.port(k);
       ports_.push_back(

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 #include <set>
 
 #include "diagnosis/refit.hpp"
+#include "diagnosis/search_state.hpp"
 
 namespace poecal {
 namespace {
@@ -33,9 +33,8 @@ bool wasChosen(const Accepted& one) { return one.candidate.isWaves() && !one.can
 
 Ladder::Ladder(const Selection& selection, const MeasuredCell& all, const Identification& identification, int folds, std::uint64_t seed)
     : selection_(selection), all_(all), identification_(identification) {
-  std::vector<std::size_t> findings(selection.findings.size());
-  std::iota(findings.begin(), findings.end(), 0);
-  if (hasWaves(findings)) waves_.emplace(*selection.measured.start.arm, selection.measured.samples);
+  if (std::any_of(selection.findings.begin(), selection.findings.end(), isWaves))
+    waves_.emplace(*selection.measured.start.arm, selection.measured.samples);
   const std::set<std::size_t> bad(selection.bad.begin(), selection.bad.end());
   for (std::size_t k = 0; k < all.observations.size(); ++k) {
     every_.push_back(k);
@@ -165,10 +164,7 @@ Ladder::Fitted Ladder::withWaves(const Linearised& without, const std::vector<Ac
 }
 
 bool Ladder::hasWaves(const std::vector<std::size_t>& findings) const {
-  return std::any_of(findings.begin(), findings.end(), [this](std::size_t i) {
-    const FoundEffect& found = selection_.findings[i];
-    return found.accepted && found.accepted->candidate.isWaves();
-  });
+  return std::any_of(findings.begin(), findings.end(), [this](std::size_t i) { return isWaves(selection_.findings[i]); });
 }
 
 Rung Ladder::rungWith(const std::string& stage, const std::vector<std::size_t>& findings, HeldOut kind, Waves waves) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "diagnosis/condensed_rows.hpp"
@@ -349,6 +350,11 @@ Eigen::MatrixXd Whitening::apply(const Eigen::MatrixXd& M) const {
   Eigen::MatrixXd white(M.rows(), M.cols());
   for (std::size_t g = 0; g < L_.size(); ++g) white.middleRows(begin_[g], size(g)) = applyTo(g, M.middleRows(begin_[g], size(g)));
   return white;
+}
+
+Eigen::MatrixXd rootOf(const Eigen::MatrixXd& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 std::optional<double> varianceOf(const std::string& name, const std::vector<NoiseComponent>& components, const NoiseEstimate& noise) {

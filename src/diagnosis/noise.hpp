@@ -79,6 +79,9 @@ struct NoiseEstimate {
   Eigen::MatrixXd covariance;
 };
 
+/// R with R R' = covariance; of eigenvalues that rounding made negative, 0.
+Eigen::MatrixXd rootOf(const Eigen::MatrixXd& covariance);
+
 /// Variance of the component of a name; nothing where it was not estimated.
 std::optional<double> varianceOf(const std::string& name, const std::vector<NoiseComponent>& components, const NoiseEstimate& noise);
 

@@ -4,7 +4,6 @@
 #include <map>
 #include <numeric>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -80,17 +79,12 @@ std::string ratioText(double factor) {
 
 /// The distance of neighbouring corners of a board along an axis of it [m]; 0 where all have the same place there.
 double spacing(const std::vector<Observation>& observations, int axis) {
-  constexpr double kSame = 1e-6;  // [m]
-  std::set<double> places;
-  for (const Observation& observation : observations) {
-    for (const CornerMeasurement& corner : observation.corners) places.insert(corner.p_target(axis));
-  }
-  double least = std::numeric_limits<double>::infinity(), last = -least;
-  for (const double place : places) {
-    if (place - last > kSame) least = std::min(least, place - last);
-    last = place;
-  }
-  return std::isfinite(least) ? least : 0.0;
+  std::vector<double> places;
+  for (const auto& [id, point] : pointsSeen(observations)) places.push_back(point(axis));
+  places = distinctPlaces(std::move(places));
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < places.size(); ++k) least = std::min(least, places[k] - places[k - 1]);
+  return places.size() > 1 ? least : 0.0;
 }
 
 }  // namespace

@@ -148,9 +148,7 @@ std::size_t posed(const Problem& problem) {
 void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observations) {
   if (!cell.camera || observations.empty() || observations.front().pose) return;
   std::map<int, std::map<int, Eigen::Vector3d>> tags;
-  for (const Observation& observation : observations) {
-    for (const CornerMeasurement& corner : observation.corners) tags[corner.id.tag][corner.id.corner] = corner.p_target;
-  }
+  for (const auto& [id, point] : pointsSeen(observations)) tags[id.tag][id.corner] = point;
   if (tags.size() < kFewestTags || tags.size() > kMostTags || tags.begin()->first < 0) return;
   Problem few = evenly(cell, observations, kRows);
   renewPictures(few);
@@ -178,9 +176,8 @@ void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observ
     if (!(left < least) || posed(altered) < posed(few)) continue;
     least = left;
     best = fmt::format(
-        "tag {} does not fit the layout of the others: it looks {} (so, the target fits to {:.3g} px instead of {:.3g} with a pose of its "
-        "own "
-        "in each picture)",
+        "tag {} does not fit the layout of the others: it looks {} (so, the target fits to {:.3g} px instead of {:.3g} with a pose of "
+        "its own in each picture)",
         tag, difference.text, left, stated);
   }
   if (!best.empty()) throw ImplausibleCapture(best, InputPart::kTarget);

@@ -14,11 +14,9 @@ constexpr std::size_t kMostPoints = 12;  // sixty-six pairs are tried within a s
 /// The points that are listed, by their numbers; empty where the target is one of tags or a board.
 std::map<int, Eigen::Vector3d> listedPoints(const std::vector<Observation>& observations) {
   std::map<int, Eigen::Vector3d> points;
-  for (const Observation& observation : observations) {
-    for (const CornerMeasurement& corner : observation.corners) {
-      if (corner.id.tag < 0 || corner.id.corner != 0) return {};
-      points[corner.id.tag] = corner.p_target;
-    }
+  for (const auto& [id, point] : pointsSeen(observations)) {
+    if (id.tag < 0 || id.corner != 0) return {};
+    points[id.tag] = point;
   }
   return points;
 }

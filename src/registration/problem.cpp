@@ -89,6 +89,21 @@ Problem evenly(const Cell& cell, const std::vector<Observation>& observations, s
   return few;
 }
 
+std::map<PointId, Eigen::Vector3d> pointsSeen(const std::vector<Observation>& observations) {
+  std::map<PointId, Eigen::Vector3d> points;
+  for (const Observation& observation : observations) {
+    for (const CornerMeasurement& corner : observation.corners) points[corner.id] = corner.p_target;
+  }
+  return points;
+}
+
+std::vector<double> distinctPlaces(std::vector<double> values) {
+  constexpr double kSame = 1e-6;  // [m]
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end(), [](double a, double b) { return std::abs(a - b) < kSame; }), values.end());
+  return values;
+}
+
 bool keepsMost(const Problem& altered, const Problem& whole) {
   return altered.observations.size() >= std::max<std::size_t>(4, whole.observations.size() * 3 / 4) &&
          4 * cornerCount(altered) >= 3 * cornerCount(whole);

@@ -1,6 +1,7 @@
 // A capture cut down to what can be registered hundreds of times within a second.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -33,6 +34,12 @@ Problem thinned(const Cell& cell, const std::vector<Observation>& observations, 
 
 /// At most `rows` observations evenly over the series, with what their pictures tell yet to be renewed.
 Problem evenly(const Cell& cell, const std::vector<Observation>& observations, std::size_t rows);
+
+/// Where the target has each point that some observation shows.
+std::map<PointId, Eigen::Vector3d> pointsSeen(const std::vector<Observation>& observations);
+
+/// Values, ascending, without those that are the same to a micrometre as one before.
+std::vector<double> distinctPlaces(std::vector<double> values);
 
 /// Whether most rows and most of their corners are left in a problem that was altered: an explanation of few explains nothing.
 bool keepsMost(const Problem& altered, const Problem& whole);

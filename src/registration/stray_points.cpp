@@ -19,7 +19,7 @@ namespace poecal {
 namespace {
 
 constexpr std::size_t kFewestPictures = 4;
-constexpr std::size_t kPictures = 12;      // each is posed anew for every point that is left out
+constexpr std::size_t kPictures = 12;      // each is posed anew in every trial
 constexpr std::size_t kFewestPoints = 12;  // of fewer ones each is tried by itself
 constexpr double kMostLeftOut = 1.0 / 3.0;
 constexpr double kRest = 0.2;     // of what was left
@@ -30,15 +30,9 @@ constexpr int kTrials = 50;           // with a third of the points off, one in 
 
 using Points = std::map<PointId, Eigen::Vector3d>;
 
-/// Where a target without tags has the points that are seen; empty for one with tags, which one_tag.hpp looks at.
-Points pointsSeen(const std::vector<Observation>& observations) {
-  Points points;
-  for (const Observation& observation : observations) {
-    for (const CornerMeasurement& corner : observation.corners) points[corner.id] = corner.p_target;
-  }
-  const bool tags =
-      std::any_of(points.begin(), points.end(), [](const auto& point) { return point.first.tag >= 0 && point.first.corner > 0; });
-  return tags ? Points{} : points;
+/// Whether there are tags, which one_tag.hpp looks at.
+bool hasTags(const Points& points) {
+  return std::any_of(points.begin(), points.end(), [](const auto& point) { return point.first.tag >= 0 && point.first.corner > 0; });
 }
 
 Observation without(const Observation& observation, const std::set<PointId>& left_out) {
@@ -164,7 +158,7 @@ std::optional<Eigen::Vector3d> placeByTheOthers(const Problem& problem, PointId 
 
 void requireEachPointFits(const Cell& cell, const std::vector<Observation>& observations) {
   const Points points = pointsSeen(observations);
-  if (points.size() < kFewestPoints) return;
+  if (hasTags(points) || points.size() < kFewestPoints) return;
   const Problem few = evenly(cell, observations, kPictures);
   const double all = rmsOf(leftOfEach(few, {}), {});
   const std::set<PointId> left_out = strayPoints(few, points);

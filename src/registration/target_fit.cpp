@@ -36,12 +36,8 @@ constexpr int kNearest = 2;  // steps; closer to what is stated it is a tag that
 
 /// Centres of all tags that are seen, of their corners as stated.
 std::map<int, Eigen::Vector3d> tagCentres(const std::vector<Observation>& observations) {
-  std::map<PointId, Eigen::Vector3d> points;
-  for (const Observation& observation : observations) {
-    for (const CornerMeasurement& corner : observation.corners) points[corner.id] = corner.p_target;
-  }
   std::map<int, std::pair<Eigen::Vector3d, int>> sums;
-  for (const auto& [id, point] : points) {
+  for (const auto& [id, point] : pointsSeen(observations)) {
     auto [sum, is_new] = sums.try_emplace(id.tag, Eigen::Vector3d::Zero(), 0);
     sum->second.first += point;
     ++sum->second.second;
@@ -79,13 +75,10 @@ Mistake mistakeOfLayout(std::string text, const std::map<int, Eigen::Vector3d>& 
 
 /// The tags' numbers counted over a grid of as many columns as there are rows; nothing where the tags are no full grid.
 std::optional<std::map<int, Eigen::Vector3d>> gridTheOtherWay(const std::map<int, Eigen::Vector3d>& centres) {
-  constexpr double kSame = 1e-6;  // [m]
   const auto different = [&](int axis) {
     std::vector<double> values;
     for (const auto& [tag, centre] : centres) values.push_back(centre(axis));
-    std::sort(values.begin(), values.end());
-    values.erase(std::unique(values.begin(), values.end(), [](double a, double b) { return std::abs(a - b) < kSame; }), values.end());
-    return values;
+    return distinctPlaces(std::move(values));
   };
   const std::vector<double> x = different(0), y = different(1);
   const std::size_t columns = x.size(), rows = y.size();
@@ -148,10 +141,8 @@ double freeOrNone(const std::vector<Observation>& observations, const std::vecto
 /// Corners of a board without tags, all of them seen, by their numbers.
 std::map<int, Eigen::Vector3d> boardCorners(const std::vector<Observation>& observations) {
   std::map<int, Eigen::Vector3d> corners;
-  for (const Observation& observation : observations) {
-    for (const CornerMeasurement& corner : observation.corners) {
-      if (corner.id.tag < 0) corners[corner.id.corner] = corner.p_target;
-    }
+  for (const auto& [id, point] : pointsSeen(observations)) {
+    if (id.tag < 0) corners[id.corner] = point;
   }
   return corners;
 }
