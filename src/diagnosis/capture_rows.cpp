@@ -67,13 +67,18 @@ PoseDerivative evaluateObservation(const MeasuredCell& measured, const ModelStat
   return pose;
 }
 
-/// Effects by which the arm yields to gravity.
-std::vector<AppliedEffect> yielding(const ModelState& state) {
+/// Effects that go with the arm's axes.
+std::vector<AppliedEffect> followingAxes(const ModelState& state) {
   std::vector<AppliedEffect> some;
   for (const AppliedEffect& applied : state.effects) {
-    if (applied.effect.kind().yields_to_gravity) some.push_back(applied);
+    if (applied.effect.kind().follows_axes) some.push_back(applied);
   }
   return some;
+}
+
+bool goesWithLoad(const AppliedEffect& applied) {
+  const EffectKind& kind = applied.effect.kind();
+  return kind.yields_to_gravity || std::find(kind.needs.begin(), kind.needs.end(), Need::kMasses) != kind.needs.end();
 }
 
 /// (there - here) / step, of the joints, the links and the base.
@@ -84,12 +89,13 @@ Disturbance slope(Disturbance there, const Disturbance& here, double step) {
   return there;
 }
 
-/// Adds to J what the deflections change by where the axes move, as gravity's lever arms do: with unknown masses, large moments that cancel
-/// each other make it some per cent of a column.
-void addLeverArms(const MeasuredCell& measured, const ModelState& state, const ParameterLayout& layout, CaptureRows& all) {
-  const std::vector<AppliedEffect> effects = yielding(state);
+/// Adds to J what the effects change by where the axes move: a line that something turns about, a link's length, gravity's lever arms.
+/// With unknown masses, large moments that cancel each other make it some per cent of a column.
+void addWhatFollowsAxes(const MeasuredCell& measured, const ModelState& state, const ParameterLayout& layout, CaptureRows& all) {
+  const std::vector<AppliedEffect> effects = followingAxes(state);
   if (effects.empty()) return;
   constexpr double kStep = 1e-6;  // [rad], [m]: its square is below the rounding of the difference
+  const bool load = std::any_of(effects.begin(), effects.end(), goesWithLoad);
   std::vector<Disturbance> here;
   for (const ObservationRows& part : all.observations) here.push_back(disturbanceOf(effects, part.context));
   for (int i = 0; i < layout.twists; ++i) {
@@ -97,7 +103,7 @@ void addLeverArms(const MeasuredCell& measured, const ModelState& state, const P
     const auto capture = contextOf(measured, moved);
     for (std::size_t n = 0; n < all.observations.size(); ++n) {
       const ObservationRows& part = all.observations[n];
-      const Disturbance there = disturbanceOf(effects, part.context.loadOf(capture));
+      const Disturbance there = disturbanceOf(effects, load ? part.context.loadOf(capture) : part.context.readingsOn(capture));
       all.J.col(i).segment(part.begin, part.size) += part.along(slope(there, here[n], kStep));
     }
   }
@@ -187,7 +193,7 @@ CaptureRows captureRows(const MeasuredCell& measured, const ModelState& state, c
       begin += part.size;
     }
   }
-  addLeverArms(measured, state, layout, all);
+  addWhatFollowsAxes(measured, state, layout, all);
   return all;
 }
 

@@ -139,11 +139,16 @@ Eigen::Vector3d SampleContext::momentOf(const Vector6d& wrench, std::size_t k) c
   return chain.P[k + 1].linear().transpose() * (wrench.head<3>() - anchor_base.cross(wrench.tail<3>()));
 }
 
-SampleContext SampleContext::loadOf(const std::shared_ptr<const CaptureContext>& other) const {
+SampleContext SampleContext::readingsOn(const std::shared_ptr<const CaptureContext>& other) const {
   SampleContext moved;
   moved.capture = other;
   moved.number = number;
   moved.sample = sample;
+  return moved;
+}
+
+SampleContext SampleContext::loadOf(const std::shared_ptr<const CaptureContext>& other) const {
+  SampleContext moved = readingsOn(other);
   if (chain.P.empty()) return moved;
   moved.chain = movedChain(*other->cell.arm, *capture->cell.arm, chain, sample.q);
   addGravity(*other, moved);

@@ -56,6 +56,8 @@ struct EffectKind {
 
   /// It is a compliance times the load of gravity; see Effect::byMasses.
   bool yields_to_gravity = false;
+  /// What it adds depends on where the arm's axes are: it turns about one of them, or goes with a link's length or gravity's torque.
+  bool follows_axes = false;
   /// It moves single points or pixels, so that pictures cannot be drawn by moving the target or changing the lens.
   bool moves_points = false;
   /// "joint:K", "camera.lens", ...

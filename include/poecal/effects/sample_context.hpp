@@ -59,8 +59,9 @@ struct SampleContext {
   /// such value. @param reference  NaN: the first of the capture.
   double elapsed(DriverKind driver, double reference) const;
 
-  /// The same sample with gravity's load as the arm of another context of its capture takes it, without points: makeSampleContext() for
-  /// arms that differ in a few joints, which costs less.
+  /// The same sample on the arm of another context of its capture, without load and points.
+  SampleContext readingsOn(const std::shared_ptr<const CaptureContext>& other) const;
+  /// The same with gravity's load as that arm takes it: makeSampleContext() for arms that differ in a few joints, which costs less.
   SampleContext loadOf(const std::shared_ptr<const CaptureContext>& other) const;
 
   /// Column c of the wrench above as joint k (from 0) takes it: its torque, and the moment that it carries about its anchor, in the frame
