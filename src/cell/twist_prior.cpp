@@ -34,7 +34,7 @@ Eigen::MatrixXd movesBehind(const Arm& arm, std::size_t k) {
 
 }  // namespace
 
-TwistPrior::TwistPrior(const Arm& arm, double position, double rotation) : arm_(arm) {
+TwistPrior::TwistPrior(const Arm& arm, double position, double rotation, bool base_known) : arm_(arm) {
   const int count = twistParameterCount(arm);
   const std::size_t links = arm.joints.size() - 1;
   // Half of the variance is of the axis itself, half of the link before it.
@@ -45,6 +45,8 @@ TwistPrior::TwistPrior(const Arm& arm, double position, double rotation) : arm_(
   }
   link_variance_ << Eigen::Vector3d::Constant(0.5 * rotation * rotation), Eigen::Vector3d::Constant(0.5 * position * position);
   zero_moves_.resize(count, static_cast<Eigen::Index>(links));
+  zero_variance_ = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(links), kZeroOffset * kZeroOffset);
+  if (!base_known && links > 0) zero_variance_(0) = 0.0;
   Eigen::MatrixXd covariance = own_variance_.asDiagonal();
   for (std::size_t k = 0; k < links; ++k) {
     const Eigen::MatrixXd moves = movesBehind(arm, k);
@@ -55,7 +57,7 @@ TwistPrior::TwistPrior(const Arm& arm, double position, double rotation) : arm_(
     covariance += link_moves_.back() * link_variance_.asDiagonal() * link_moves_.back().transpose();
     const Eigen::VectorXd zero = moves * arm.joints[k].xi;
     zero_moves_.col(static_cast<Eigen::Index>(k)) = zero;
-    covariance += kZeroOffset * kZeroOffset * zero * zero.transpose();
+    covariance += zero_variance_(static_cast<Eigen::Index>(k)) * zero * zero.transpose();
   }
   const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
   precision = llt.solve(Eigen::MatrixXd::Identity(llt.rows(), llt.cols()));
@@ -76,7 +78,8 @@ std::vector<JointDeviation> TwistPrior::deviations(const Eigen::VectorXd& beta) 
     }
     all[j].tilt = local.head<2>().norm();
     all[j].shift = local.tail(size - 2).norm();
-    if (j + 1 < all.size()) all[j].zero = kZeroOffset * kZeroOffset * zero_moves_.col(static_cast<Eigen::Index>(j)).dot(pull);
+    const auto zero = static_cast<Eigen::Index>(j);
+    if (zero < zero_variance_.size()) all[j].zero = zero_variance_(zero) * zero_moves_.col(zero).dot(pull);
     row += size;
   }
   return all;

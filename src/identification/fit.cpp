@@ -119,11 +119,14 @@ FlangePoses flangePoses(const Cell& registered, const std::vector<Observation>& 
   return flange;
 }
 
-ArmBelief armBelief(const Arm& nominal, const IdentifyOptions& options) {
+ArmBelief armBelief(const Cell& nominal, const IdentifyOptions& options) {
   if (options.tolerance_position <= 0.0 && options.tolerance_rotation <= 0.0) return {};
   constexpr double kAnywhere = 1.0;  // [m], [rad]
-  return {TwistPrior(nominal, options.tolerance_position > 0.0 ? options.tolerance_position : kAnywhere,
-                     options.tolerance_rotation > 0.0 ? options.tolerance_rotation : kAnywhere)};
+  const Registration& registration = nominal.registration;
+  const bool known = registration.setup == Setup::kEyeToHand ? registration.known_near.has_value() : registration.known_far.has_value();
+  const bool held = options.registered || options.method != Method::kBundle;
+  return {TwistPrior(*nominal.arm, options.tolerance_position > 0.0 ? options.tolerance_position : kAnywhere,
+                     options.tolerance_rotation > 0.0 ? options.tolerance_rotation : kAnywhere, known || held)};
 }
 
 MethodFit fitMethod(const Cell& registered, const std::vector<Observation>& observations, const FlangePoses& flange,

@@ -35,7 +35,8 @@ struct ArmBelief {
   TwistPrior twists;       ///< empty: no belief
   double tolerance = 0.0;  ///< factor; 0: to be estimated
 };
-ArmBelief armBelief(const Arm& nominal, const IdentifyOptions& options);
+/// @param nominal  with what is known of its registration: it decides whether the first joint's zero shows.
+ArmBelief armBelief(const Cell& nominal, const IdentifyOptions& options);
 
 /// @param registered  nominal arm with a registration. @param subset  indices into observations (and flange poses).
 /// @param camera_free  bundle only.

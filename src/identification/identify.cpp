@@ -85,7 +85,7 @@ class Identifier {
         options_(options),
         given_registration_(registration) {
     cell_.registration.setup = measurements.setup;
-    belief_ = armBelief(*cell_.arm, options_);
+    belief_ = armBelief(cell_, options_);
   }
 
   Identification run() {
@@ -330,6 +330,8 @@ class Identifier {
     result.scale = fit.adjustment.scale;
     const std::string stated = sigmas_stated_ ? statedDeviationsWarning(result.scale, corners_) : "";
     if (!stated.empty()) result.warnings.push_back(stated);
+    const std::string mixed = sigmas_stated_ ? mixedDeviationsWarning(fit.cell, observations_) : "";
+    if (!mixed.empty()) result.warnings.push_back(mixed);
     result.reduced_chi_square = fit.adjustment.reducedChiSquare();
     result.degrees_of_freedom = fit.adjustment.degrees_of_freedom;
     if (!corners_) {

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "cell/transform_names.hpp"
+#include "poecal/core/statistics.hpp"
 #include "poecal/registration/implausible.hpp"
 #include "poecal/registration/registration.hpp"
 
@@ -87,6 +89,52 @@ std::string statedDeviationsWarning(double scale, bool corners) {
   if (!(scale > 0.0) || kOtherUnit * scale > 1.0) return "";
   return fmt::format("the stated deviations of the {} are {:.0f} times what the fit leaves: are they in {}?", corners ? "corners" : "poses",
                      1.0 / scale, corners ? "pixels" : "metres and radians");
+}
+
+std::string mixedDeviationsWarning(const Cell& cell, const std::vector<Observation>& observations) {
+  constexpr double kOtherUnit = 10.0;    // of what is stated of some, from what is stated of others
+  constexpr double kContradicted = 5.0;  // times farther off than the others are, both by what is stated of them
+  constexpr std::size_t kFewest = 4;
+  struct Row {
+    double stated = 0.0, off = 0.0;  // [px], [m]
+  };
+  std::vector<Row> rows;
+  for (const Observation& observation : observations) {
+    Row row;
+    std::vector<double> stated;
+    for (const UnitResidual& unit : residuals(cell, observation)) {
+      const Eigen::Index count = observation.pose ? 3 : 2;
+      row.off += unit.residual.tail(count).squaredNorm() / static_cast<double>(count * observation.unitCount());
+    }
+    for (const CornerMeasurement& corner : observation.corners) stated.push_back(corner.sigma_px);
+    if (observation.pose) stated.push_back(std::sqrt(3.0) / observation.pose->whitening.bottomRightCorner<3, 3>().norm());
+    row.off = std::sqrt(row.off);
+    row.stated = median(std::move(stated));
+    if (std::isfinite(row.off)) rows.push_back(row);
+  }
+  const auto less = [](const Row& a, const Row& b) { return a.stated < b.stated; };
+  std::stable_sort(rows.begin(), rows.end(), less);
+  if (rows.empty() || !(rows.back().stated > kOtherUnit * rows.front().stated)) return "";
+  const double between = std::sqrt(rows.front().stated * rows.back().stated);
+  const auto larger = std::find_if(rows.begin(), rows.end(), [between](const Row& row) { return row.stated > between; });
+  const auto medianOf = [](auto begin, auto end, auto of) {
+    std::vector<double> values;
+    std::transform(begin, end, std::back_inserter(values), of);
+    return median(std::move(values));
+  };
+  const auto small = static_cast<std::size_t>(larger - rows.begin());
+  if (small < kFewest || rows.size() - small < kFewest) return "";
+  const auto stated = [](const Row& row) { return row.stated; };
+  const auto off = [](const Row& row) { return row.off; };
+  const auto share = [](const Row& row) { return row.off / row.stated; };
+  const double here = medianOf(rows.begin(), larger, share), there = medianOf(larger, rows.end(), share);
+  if (!(here > kContradicted * std::max(1.0, there))) return "";
+  const bool corners = !observations.front().pose;
+  const double unit = corners ? 1.0 : 1e3;
+  return fmt::format(
+      "{} of {} rows state deviations of {:.3g} {} and are off by {:.3g}, the others state {:.3g}: are they in another unit?", small,
+      rows.size(), unit * medianOf(rows.begin(), larger, stated), corners ? "px" : "mm", unit * medianOf(rows.begin(), larger, off),
+      unit * medianOf(larger, rows.end(), stated));
 }
 
 std::vector<std::string> gaugeRemarks(const Arm& nominal, const MethodFit& fit, bool registered) {

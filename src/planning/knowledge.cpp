@@ -59,7 +59,7 @@ MeasuredCell measuredCell(const PlanningCell& cell) {
   measured.gravity = cell.taken.gravity;
   measured.other_columns = cell.taken.other_columns;
   measured.twists =
-      armBelief(*cell.nominal.arm, {.tolerance_position = cell.tolerance_position, .tolerance_rotation = cell.tolerance_rotation}).twists;
+      armBelief(measured.start, {.tolerance_position = cell.tolerance_position, .tolerance_rotation = cell.tolerance_rotation}).twists;
   if (measured.twists.empty()) measured.twists = TwistPrior(*cell.nominal.arm, kAnywhere, kAnywhere);
   addTaken(cell, measured);
   return measured;

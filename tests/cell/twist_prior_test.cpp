@@ -79,6 +79,17 @@ TEST(TwistPrior, AZeroThatIsOffIsToldAsThat) {
   EXPECT_LT(told[2].tilt, 0.05 * kOff);
 }
 
+// A turn of the base about the first axis does what that joint's zero does: where the base may stand anywhere, it is none.
+TEST(TwistPrior, TheFirstZeroIsOneWhereSomethingIsKnownOfTheBase) {
+  const Arm arm = threeJoints();
+  const TwistPrior known(arm, kPosition, kRotation), open(arm, kPosition, kRotation, false);
+  const Eigen::VectorXd turned = linkMoved(arm, 0, arm.joints[0].xi);
+  const Eigen::MatrixXd less = known.precision.inverse() - open.precision.inverse();
+  EXPECT_LT((less - kZero * kZero * turned * turned.transpose()).cwiseAbs().maxCoeff(), 1e-6 * kZero * kZero);
+  EXPECT_EQ(open.deviations(0.05 * turned)[0].zero, 0.0);
+  EXPECT_GT(known.deviations(0.05 * turned)[0].zero, 0.04);
+}
+
 TEST(TwistPrior, ATiltedAxisIsToldAsThat) {
   const Arm arm = threeJoints();
   const TwistPrior prior(arm, kPosition, kRotation);

@@ -13,7 +13,9 @@ namespace poecal {
 struct JointDeviation {
   double tilt = 0.0;   ///< of the axis [rad]
   double shift = 0.0;  ///< of the axis [m]
-  double zero = 0.0;   ///< of the joint's reading [rad], or [m] for a sliding joint; 0 for the last joint, whose zero the tool takes up
+  /// Of the joint's reading [rad], or [m] for a sliding joint; 0 for the last joint, whose zero the tool takes up, and for the first one
+  /// where the base takes it up.
+  double zero = 0.0;
 };
 
 /// Tolerances of the twist parameters beta of displaceTwists() about the nominal arm: beta ~ N(0, covariance).
@@ -24,12 +26,14 @@ struct JointDeviation {
 /// variance of the tolerances; and each joint's zero may be anywhere (zero_k, 0.02 rad), since only its maker's mark tells.
 ///
 /// A motion of the base frame moves all axes together, and no measurement tells of it where the transform beside the base is free. The
-/// frame is then the one in which beta' precision beta is smallest. This rule does not depend on the data or on what a diagnosis finds.
+/// frame is then the one in which beta' precision beta is smallest, and the first joint's zero is none: a turn of the base does the same.
+/// This rule does not depend on the data or on what a diagnosis finds.
 struct TwistPrior {
   /// No belief at all.
   TwistPrior() = default;
-  /// @param position, rotation  1 sigma of an axis' place [m] and tilt [rad], both positive.
-  TwistPrior(const Arm& arm, double position, double rotation);
+  /// @param position, rotation  1 sigma of an axis' place [m] and tilt [rad], both positive. @param base_known  something is known of the
+  /// transform beside the base, so that the first joint's zero shows.
+  TwistPrior(const Arm& arm, double position, double rotation, bool base_known = true);
 
   bool empty() const { return precision.size() == 0; }
   /// The most likely parts of a displacement, one per joint.
@@ -43,7 +47,8 @@ struct TwistPrior {
   Eigen::VectorXd own_variance_;             ///< of each parameter
   std::vector<Eigen::MatrixXd> link_moves_;  ///< of each joint but the last: parameters x 6, by the link behind it
   Eigen::Matrix<double, 6, 1> link_variance_ = Eigen::Matrix<double, 6, 1>::Zero();
-  Eigen::MatrixXd zero_moves_;  ///< parameters x (joints - 1)
+  Eigen::MatrixXd zero_moves_;     ///< parameters x (joints - 1)
+  Eigen::VectorXd zero_variance_;  ///< of each joint but the last
 };
 
 /// MacKay's fixed point for the factor by which an arm exceeds its tolerances:
