@@ -5,6 +5,7 @@
 
 #include "numbers.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/robot/robot_file.hpp"
 
 namespace poecal::app {
 
@@ -38,6 +39,16 @@ void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options) {
 void requireArmOf(const Model& model, const std::filesystem::path& model_file, const Arm& nominal, const std::filesystem::path& robot) {
   const std::string difference = differenceOfArms(*model.cell.arm, nominal);
   if (!difference.empty()) throw FileError(robot, 0, fmt::format("is not the arm of {}: {}", model_file.string(), difference));
+}
+
+void requireLinksOf(const Model& model, const std::filesystem::path& robot, const std::string& base_link, const std::string& tip_link) {
+  if (!isUrdf(robot)) return;
+  const auto require = [&robot](const char* option, const std::string& link, const std::string& of_model) {
+    if (link.empty() || of_model.empty() || link == of_model || !hasLink(robot, of_model)) return;
+    throw InvalidArgument(fmt::format("{} is '{}', expected '{}' as in the model", option, link, of_model));
+  };
+  require("--base-link", base_link, model.base_link);
+  require("--tip-link", tip_link, model.tip_link);
 }
 
 CalibrationRun runSource(const std::string& command, const ArmSource& source, const std::filesystem::path& out, CalibrateOptions options,

@@ -50,6 +50,7 @@ void bindModel(py::module_& module) {
       .member("target", &Model::target)
       .member("gravity", &Model::gravity)
       .member("effects", &Model::effects)
+      .member("driver_ranges", &Model::driver_ranges)
       .member("method", &Model::method)
       .member("urdf", &Model::urdf)
       .member("base_link", &Model::base_link)

@@ -104,6 +104,9 @@ void tellModel(const Selection& selection, const Identification& identification,
   if (!selection.measured.target.points.empty()) diagnosis.model.target = selection.measured.target;
   diagnosis.model.effects = appliedEffects(selection, parameterDeviations(selection));
   const MeasuredCell& measured = selection.measured;
+  diagnosis.model.driver_ranges = driverRangesOf(diagnosis.model.effects, measured.samples);
+  // The number of a row is no time that another table could have.
+  if (!measured.timed) diagnosis.model.driver_ranges.erase("stamp");
   const ParameterLayout layout(state.cell.cell, measured.free);
   const Eigen::MatrixXd& covariance = selection.linear.noise.covariance;
   const auto deviation = [&covariance](int begin) { return Vector6d(covariance.diagonal().segment<6>(begin).cwiseMax(0.0).cwiseSqrt()); };

@@ -5,6 +5,7 @@
 #include "effects/effect_yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/core/text.hpp"
 #include "poecal/identification/model.hpp"
 #include "robot/gravity_yaml.hpp"
 #include "robot/robot_yaml.hpp"
@@ -62,6 +63,27 @@ void readRegistration(const YamlNode& root, Model& model) {
   registration.T_far_target = readPose(node[farKey(model).c_str()]);
 }
 
+std::string driverRangesYaml(const DriverRanges& ranges) {
+  if (ranges.empty()) return "";
+  std::string text = "driver_ranges:  # of the capture that the effects were found in\n";
+  for (const auto& [driver, range] : ranges) {
+    text += fmt::format("  {}: [{}, {}]\n", driver, formatNumber(range.first), formatNumber(range.second));
+  }
+  return text;
+}
+
+DriverRanges readDriverRanges(const YamlNode& node) {
+  node.checkKeys({"stamp", "temperature", "payload"});
+  DriverRanges ranges;
+  for (const std::string& driver : node.keys()) {
+    const YamlNode range = node[driver.c_str()];
+    const Eigen::VectorXd ends = range.vector(2);
+    if (!(ends(0) <= ends(1))) range.fail("expected the lower end first");
+    ranges[driver] = {ends(0), ends(1)};
+  }
+  return ranges;
+}
+
 }  // namespace
 
 RealArm realArm(const Model& model) {
@@ -83,13 +105,15 @@ std::string modelYaml(const Model& model) {
   text += registrationYaml(model);
   text += fmt::format("gravity: {}\n", yamlVector(model.gravity));
   text += effectsYaml(model.effects);
+  text += driverRangesYaml(model.driver_ranges);
   return text;
 }
 
 Model readModel(const std::filesystem::path& file) {
   const YamlNode root = YamlNode::load(file);
   root.checkFormat("poecal-model/1");
-  root.checkKeys({"format", "method", "setup", "source", "robot", "camera", "target", "registration", "gravity", "effects"});
+  root.checkKeys(
+      {"format", "method", "setup", "source", "robot", "camera", "target", "registration", "gravity", "effects", "driver_ranges"});
   Model model;
   if (const auto method = root.find("method")) model.method = method->text();
   if (const auto source = root.find("source")) {
@@ -105,6 +129,7 @@ Model readModel(const std::filesystem::path& file) {
   if (const auto gravity = root.find("gravity")) model.gravity = readGravity(*gravity);
   constexpr bool kAsFound = true;
   if (const auto effects = root.find("effects")) model.effects = readEffects(*effects, model.cell, kAsFound);
+  if (const auto ranges = root.find("driver_ranges")) model.driver_ranges = readDriverRanges(*ranges);
   return model;
 }
 

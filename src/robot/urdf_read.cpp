@@ -70,6 +70,8 @@ Arm readUrdf(const std::filesystem::path& file, const std::string& base_link, co
   return arm;
 }
 
+bool hasLink(const std::filesystem::path& file, const std::string& link) { return UrdfFile(file).model().links_.contains(link); }
+
 UrdfEnds urdfEnds(const std::filesystem::path& file) {
   const UrdfFile urdf(file);
   UrdfEnds ends;

@@ -80,9 +80,18 @@ TEST_F(Export, ModelNamesTheLinks) {
   expectExported("base_link", "tool0");
 }
 
-TEST_F(Export, OptionsGoBeforeTheModel) {
-  place(test::kSixJoints, fromUrdf("base_link", "finger"));
-  EXPECT_EQ(run("--tip-link tool0").status, 0);
+// The model's flange would be put where another link is.
+TEST_F(Export, AnotherLinkThanTheModelsIsRefused) {
+  place(test::kSixJoints, fromUrdf("base_link", "tool0"));
+  const test::ProgramRun result = run("--tip-link finger");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("--tip-link is 'finger', expected 'tool0' as in the model"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/calibrated.urdf"));
+}
+
+TEST_F(Export, LinksThatWereNamedAnewAreNamedByOptions) {
+  place(test::kSixJoints, fromUrdf("robot_base", "robot_tool"));
+  EXPECT_EQ(run("--base-link base_link --tip-link tool0").status, 0);
   expectExported("base_link", "tool0");
 }
 

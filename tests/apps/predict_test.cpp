@@ -36,6 +36,11 @@ TEST(PredictFiles, WhatTheOrderOfTheRowsStandsInForIsSaid) {
   const test::ProgramRun whole = test::runProgram(folder.path(), "predict --joints whole.csv --model model.yaml --out poses.csv");
   EXPECT_EQ(whole.status, 0) << whole.err;
   EXPECT_THAT(whole.err, Not(HasSubstr("warning")));
+  model.driver_ranges = {{"stamp", {0.0, 2.0}}};
+  folder.write("model.yaml", modelYaml(model));
+  folder.write("later.csv", "q1,q2,q3,q4,q5,q6,stamp\n0.1,-0.7,0.9,0.3,0.8,-0.4,1.76e9\n");
+  EXPECT_THAT(test::runProgram(folder.path(), "predict --joints later.csv --model model.yaml --out poses.csv").err,
+              HasSubstr("later.csv:2: stamp is 1760000000.0, far from 0.0 to 2.0"));
 }
 
 }  // namespace

@@ -30,19 +30,12 @@ struct CompensateOptions {
   bool leave_out = false;
 };
 
-/// Poses of another frame than the model's are no poses of its flange.
-void requireLinkOf(const std::string& option, const std::string& link, const std::string& of_model) {
-  if (link.empty() || of_model.empty() || link == of_model) return;
-  throw InvalidArgument(fmt::format("{} is '{}', expected '{}' as in the model", option, link, of_model));
-}
-
 std::optional<Arm> nominalArm(const CompensateOptions& options, const Model& model) {
   if (options.robot.empty()) {
     if (options.joints.empty()) return std::nullopt;
     throw InvalidArgument("--joints needs --robot, the nominal arm whose poses the real one should reach");
   }
-  requireLinkOf("--base-link", options.base_link, model.base_link);
-  requireLinkOf("--tip-link", options.tip_link, model.tip_link);
+  requireLinksOf(model, options.robot, options.base_link, options.tip_link);
   const std::string base_link = options.base_link.empty() ? model.base_link : options.base_link;
   const std::string tip_link = options.tip_link.empty() ? model.tip_link : options.tip_link;
   Arm nominal = readArm(options.robot, base_link, tip_link);
@@ -170,6 +163,7 @@ int runCompensate(const CompensateOptions& options, const Common& common) {
   if (wanted.samples.empty()) throw InsufficientData(wanted.file.string() + ": no rows, expected one per pose");
   const RealArm arm = realArm(model);
   TerminalListener listener(common);
+  listener.warnings(remarksOnDrivers(model.driver_ranges, wanted.file, wanted.samples));
   const std::vector<JointCommand> commands = compensate(arm, wanted, nominal ? &*nominal : nullptr, listener.progressFunction());
   refuseUnreached(options, common, wanted, commands);
   if (nominal) warnOfLargeMoves(wanted, commands);

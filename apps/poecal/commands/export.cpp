@@ -35,6 +35,7 @@ struct ExportOptions {
 };
 
 void chooseLinks(ExportOptions& options, const Model& model) {
+  requireLinksOf(model, options.urdf, options.base_link, options.tip_link);
   if (options.base_link.empty()) options.base_link = model.base_link;
   if (options.tip_link.empty()) options.tip_link = model.tip_link;
   if (!options.base_link.empty() && !options.tip_link.empty()) return;

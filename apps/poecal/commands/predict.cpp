@@ -114,6 +114,8 @@ std::function<int()> setUpPredict(CLI::App& app, const Common& common) {
             fmt::format("the samples have {} joint readings, the model has {} joints", sample.q.size(), model.cell.arm->jointCount()));
       }
     }
+    TerminalListener(common).warnings(
+        remarksOnDrivers(model.driver_ranges, options->joints.empty() ? capture.table.file : options->joints, samples));
     // As a diagnosis found the effects.
     TerminalListener(common).warnings(standInWarnings(model, standInByRowOrder(samples)));
     const std::vector<Disturbance> disturbances = disturbancesOf(model.effects, model.cell, model.target.value_or(Target{}),

@@ -9,6 +9,7 @@
 #include "poecal/cell/cell.hpp"
 #include "poecal/compensation/compensate.hpp"
 #include "poecal/effects/effect.hpp"
+#include "poecal/identification/driver_ranges.hpp"
 #include "poecal/target/target.hpp"
 
 namespace poecal {
@@ -28,6 +29,7 @@ struct Model {
   ModelDeviation deviation;
   Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  ///< in base [m/s^2]
   std::vector<AppliedEffect> effects;           ///< found by a diagnosis; what it stands beside is `cell`
+  DriverRanges driver_ranges;                   ///< over the capture that these were found in
   std::string method;                           ///< "gao", "weighted", "bundle"
   std::string urdf, base_link, tip_link;        ///< where the arm came from a URDF
 };

@@ -31,6 +31,9 @@ struct UrdfEnds {
   std::vector<std::string> leaves;
 };
 
+/// Whether a URDF has a link of this name. @throws FileError: unreadable URDF.
+bool hasLink(const std::filesystem::path& file, const std::string& link);
+
 /// @throws FileError: unreadable URDF.
 UrdfEnds urdfEnds(const std::filesystem::path& file);
 

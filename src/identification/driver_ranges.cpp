@@ -1,0 +1,76 @@
+#include "poecal/identification/driver_ranges.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "poecal/core/text.hpp"
+#include "poecal/effects/catalogue.hpp"
+
+namespace poecal {
+namespace {
+
+/// A column of samples.csv that drives effects beyond where the arm stands.
+struct Column {
+  const char* name;
+  std::optional<double> Sample::*value;
+};
+constexpr Column kColumns[] = {{"stamp", &Sample::stamp}, {"temperature", &Sample::temperature}, {"payload", &Sample::payload}};
+
+bool follows(const Effect& effect, const std::string& column) {
+  const EffectKind& kind = effect.kind();
+  if (column == "stamp") return effect.driver().kind() == DriverKind::kStamp;
+  if (column == "temperature") return effect.driver().kind() == DriverKind::kTemperature;
+  return kind.yields_to_gravity || std::find(kind.needs.begin(), kind.needs.end(), Need::kMasses) != kind.needs.end();
+}
+
+bool anyFollows(const std::vector<AppliedEffect>& effects, const std::string& column) {
+  return std::any_of(effects.begin(), effects.end(), [&column](const AppliedEffect& one) { return follows(one.effect, column); });
+}
+
+}  // namespace
+
+DriverRanges driverRangesOf(const std::vector<AppliedEffect>& effects, const std::vector<Sample>& samples) {
+  DriverRanges ranges;
+  for (const Column& column : kColumns) {
+    if (!anyFollows(effects, column.name)) continue;
+    for (const Sample& sample : samples) {
+      const std::optional<double>& value = sample.*column.value;
+      if (!value) continue;
+      const auto [range, is_new] = ranges.try_emplace(column.name, *value, *value);
+      if (is_new) continue;
+      range->second.first = std::min(range->second.first, *value);
+      range->second.second = std::max(range->second.second, *value);
+    }
+  }
+  return ranges;
+}
+
+std::vector<std::string> remarksOnDrivers(const DriverRanges& ranges, const std::filesystem::path& file,
+                                          const std::vector<Sample>& samples) {
+  std::vector<std::string> remarks;
+  for (const Column& column : kColumns) {
+    const auto range = ranges.find(column.name);
+    if (range == ranges.end()) continue;
+    const auto [low, high] = range->second;
+    const double margin = high > low ? high - low : std::abs(high);
+    std::size_t beyond = 0;
+    const Sample* first = nullptr;
+    for (const Sample& sample : samples) {
+      const std::optional<double>& value = sample.*column.value;
+      if (!value || (*value >= low - margin && *value <= high + margin)) continue;
+      if (first == nullptr) first = &sample;
+      ++beyond;
+    }
+    if (first == nullptr) continue;
+    remarks.push_back(fmt::format(
+        "{}:{}: {} is {}, far from {} to {}, where the model's effects were found: what follows it is guessed in {} of {} rows; "
+        "expected the same unit and clock as in that capture",
+        file.string(), first->line, column.name, formatNumber(*(first->*column.value)), formatNumber(low), formatNumber(high), beyond,
+        samples.size()));
+  }
+  return remarks;
+}
+
+}  // namespace poecal
