@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "capture/motion_checks.hpp"
 #include "capture/reading_steps.hpp"
 #include "capture/row_checks.hpp"
 #include "detection/picture.hpp"
@@ -213,7 +214,9 @@ std::vector<std::string> remarksOnRows(const std::filesystem::path& file, const 
   std::vector<std::string> remarks = stampRemarks(file, samples);
   for (std::string& remark : temperatureRemarks(file, samples)) remarks.push_back(std::move(remark));
   if (arm == nullptr) return remarks;
-  for (std::string& remark : turnRemarks(file, samples, *arm)) remarks.push_back(std::move(remark));
+  for (auto* of : {payloadRemarks, turnRemarks, speedRemarks, directionRemarks}) {
+    for (std::string& remark : of(file, samples, *arm)) remarks.push_back(std::move(remark));
+  }
   const Rounding rounding = roundingOf(*arm, samples);
   if (rounding.isCoarse()) remarks.push_back(fmt::format("{}: {}", file.string(), rounding.text()));
   return remarks;

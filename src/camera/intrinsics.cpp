@@ -245,6 +245,7 @@ IntrinsicsResult calibrateIntrinsics(const std::vector<BoardView>& views, int wi
   const std::string zoomed = otherFocalLengths(chosen.camera, views, result.views);
   if (!zoomed.empty()) result.warnings.push_back(zoomed);
   for (const std::string& warning : coefficientWarnings(chosen)) result.warnings.push_back(warning);
+  if (const std::string stretched = stretchWarning(chosen); !stretched.empty()) result.warnings.push_back(stretched);
   constexpr double kLittleTilt_rad = 15.0 * M_PI / 180.0;
   const double spread = tiltSpread(used.views, used.fit.estimate.T_camera_target);
   if (spread < kLittleTilt_rad) {

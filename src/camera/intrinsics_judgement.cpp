@@ -105,6 +105,17 @@ std::vector<std::string> coefficientWarnings(const IntrinsicsFit& fit) {
   return warnings;
 }
 
+std::string stretchWarning(const IntrinsicsFit& fit) {
+  constexpr double kSquare = 0.02, kSurely = 5.0;  // pixels of real cameras are square to a hundredth
+  const double fx = fit.camera.fx, fy = fit.camera.fy;
+  const Eigen::Vector2d slope(-1.0 / fx, 1.0 / fy);  // of log(fy / fx)
+  const double sigma = std::sqrt(std::max(0.0, slope.dot(fit.covariance.topLeftCorner<2, 2>() * slope)));
+  const double stretch = std::log(fy / fx);
+  if (!(std::abs(stretch) > std::max(kSquare, kSurely * sigma))) return "";
+  return fmt::format("fy is {:.3f} of fx, expected square pixels: were the pictures stretched, or is the board's square no square?",
+                     fy / fx);
+}
+
 ProjectionUncertainty projectionUncertainty(const Camera& camera, const Eigen::MatrixXd& covariance) {
   constexpr int kColumns = 12, kRows = 9;
   std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> by_parameters;

@@ -186,6 +186,18 @@ std::vector<std::string> temperatureRemarks(const std::filesystem::path& file, c
   return {};
 }
 
+std::vector<std::string> payloadRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
+  double mass = 0.0;
+  for (const LinkMass& link : arm.links) mass += link.mass;
+  if (!(mass > 0.0)) return {};
+  for (const Sample& sample : samples) {
+    if (sample.payload.value_or(0.0) <= mass) continue;
+    return {fmt::format("{}:{}: payload is {:.6g}, more than the {:.3g} kg of the arm itself, expected kg; is it in grams or newtons?",
+                        file.string(), sample.line, *sample.payload, mass)};
+  }
+  return {};
+}
+
 std::vector<std::string> turnRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   constexpr std::size_t kFewest = 6;  // fewer lie within half a turn by chance

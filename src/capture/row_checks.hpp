@@ -32,6 +32,10 @@ std::vector<std::string> stampRemarks(const std::filesystem::path& file, const s
 /// Temperatures in another unit than degrees Celsius, in all rows or from one to the next. One sentence at most, with file and line.
 std::vector<std::string> temperatureRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples);
 
+/// Payloads that weigh more than the arm itself, where its masses are stated: no arm carries that. One sentence at most, with file and
+/// line.
+std::vector<std::string> payloadRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm);
+
 /// Turning joints whose readings all lie within half a turn but for whole turns that some of them have more: counters that wrapped around.
 /// One sentence each, with file and line of the first row whose turn is not that of the row before.
 std::vector<std::string> turnRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm);

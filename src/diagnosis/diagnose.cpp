@@ -292,6 +292,7 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       tellWhatCanBeSeen(selection, diagnosis);
       tellExplained(selection, diagnosis);
       tellModel(selection, identification, diagnosis);
+      tellNoiseThatIsNone(selection, diagnosis);
       tellContradictions(selection, diagnosis);
       if (!wandering.empty()) diagnosis.warnings.push_back(wandering);
       tellBad(selection, measurements.observations, measurements.samples, diagnosis);

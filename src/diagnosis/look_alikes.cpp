@@ -44,12 +44,6 @@ JointErrors jointErrors(const Selection& selection, std::size_t joint) {
   return errors;
 }
 
-/// Whether the arm left a pose and came back to it: other poses lie between its shots.
-bool comesBack(const MeasuredCell& measured) {
-  return std::any_of(measured.groups.begin(), measured.groups.end(),
-                     [](const std::vector<std::size_t>& shots) { return !shots.empty() && shots.back() - shots.front() >= shots.size(); });
-}
-
 /// Variance of a joint's errors among the shots of one pose, beyond their deviations; nothing where there are too few.
 std::optional<double> varianceAmongRepeats(const JointErrors& errors) {
   double squares = 0.0, expected = 0.0, freedom = 0.0;
@@ -111,18 +105,25 @@ std::string allJoints(const Selection& selection) {
   return names;
 }
 
-/// The name of what is at least as probable goes first.
+/// The name of what is more probable goes first: play, or structure that repeats show to be no chance.
 void putMostProbableFirst(double half_gap, Finding& finding) {
   if (finding.alternatives.empty() || !(finding.alternatives.front().probability > finding.probability)) return;
   AlternativeCause& best = finding.alternatives.front();
-  if (best.effect != "joint_backlash") return;
+  const bool play = best.effect == "joint_backlash";
+  if (!play && (best.effect != kUnknownEffect || best.location != finding.location)) return;
   const AlternativeCause former{finding.effect, finding.location, finding.driver, finding.probability};
+  const std::string unit = finding.units["sigma"];
   finding.effect = best.effect;
   finding.driver = best.driver;
   finding.probability = best.probability;
-  finding.parameters = {{"half_gap", half_gap}};
-  finding.units = {{"half_gap", finding.units["sigma"]}};
-  finding.remedy = effectKind(finding.effect).remedy;
+  finding.parameters.clear();
+  finding.units.clear();
+  finding.remedy.clear();
+  if (play) {
+    finding.parameters = {{"half_gap", half_gap}};
+    finding.units = {{"half_gap", unit}};
+    finding.remedy = effectKind(finding.effect).remedy;
+  }
   best = former;
 }
 
@@ -229,6 +230,11 @@ void shareStructure(Finding& finding) {
 double logNormal(double x, double variance) { return -0.5 * (std::log(variance) + x * x / variance); }
 
 }  // namespace
+
+bool comesBack(const MeasuredCell& measured) {
+  return std::any_of(measured.groups.begin(), measured.groups.end(),
+                     [](const std::vector<std::size_t>& shots) { return !shots.empty() && shots.back() - shots.front() >= shots.size(); });
+}
 
 TwoValues twoValues(const Eigen::VectorXd& errors, const Eigen::VectorXd& deviations) {
   const double spread = std::sqrt(errors.squaredNorm() / std::max<double>(1.0, static_cast<double>(errors.size())));

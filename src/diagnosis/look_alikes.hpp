@@ -19,6 +19,9 @@ namespace poecal {
 /// @param row_order  columns that the order of the rows stands in for.
 void addLookAlikes(const Selection& selection, const FoundEffect& found, const RowOrder& row_order, Finding& finding);
 
+/// Whether the arm left a pose and came back to it: other poses lie between its shots.
+bool comesBack(const MeasuredCell& measured);
+
 /// Log-likelihood of b or -b at random against a normal deviation b, of errors with their standard deviations, at the best b.
 struct TwoValues {
   double log_odds = 0.0;

@@ -104,18 +104,49 @@ std::vector<Candidate> curvesOf(const Selection& selection) {
   return curves;
 }
 
-/// Of a compliance: the most that it turns or shifts its place over the poses of the capture, and its standard deviation, which is large
-/// where unknown masses cancel each other in what the arm's axes do too.
+/// What constant turns of the base and of every body up to the place do there, 3 rows a pose; or a joint's zero, 1 row a pose. The
+/// registration and the arm's axes take these up, whatever a compliance of unknown masses would have of them.
+Eigen::MatrixXd constantTurns(const Candidate& candidate, const CaptureRows& rows) {
+  const auto poses = static_cast<Eigen::Index>(rows.observations.size());
+  if (candidate.entry().reach == Reach::kJoint) return Eigen::MatrixXd::Ones(poses, 1);
+  const std::size_t bodies = candidate.place.kind == PlaceKind::kLink ? candidate.place.index + 1 : 0;
+  Eigen::MatrixXd turns(3 * poses, 3 * static_cast<Eigen::Index>(bodies + 1));
+  for (Eigen::Index n = 0; n < poses; ++n) {
+    const PosePortJacobian& ports = rows.observations[static_cast<std::size_t>(n)].ports;
+    turns.block<3, 3>(3 * n, 0) = ports.base.topLeftCorner<3, 3>();
+    for (std::size_t body = 0; body < bodies; ++body) {
+      turns.block<3, 3>(3 * n, 3 * static_cast<Eigen::Index>(body + 1)) = ports.links[body].topLeftCorner<3, 3>();
+    }
+  }
+  return turns;
+}
+
+/// The turning parts of a candidate's actions (w of the target's pose, or the joint's reading), below each other.
+Eigen::MatrixXd turningActions(const Candidate& candidate, const CaptureRows& rows) {
+  const Eigen::MatrixXd actions = actionsOf(candidate, rows, 0, rows.observations.size());
+  const Eigen::Index size = candidate.entry().reach == Reach::kJoint ? 1 : 6, turning = std::min<Eigen::Index>(size, 3);
+  Eigen::MatrixXd some(actions.rows() / size * turning, actions.cols());
+  for (Eigen::Index n = 0; n < actions.rows() / size; ++n) {
+    some.middleRows(turning * n, turning) = actions.middleRows(size * n, turning);
+  }
+  return some;
+}
+
+/// Of a compliance: the most that it turns or shifts its place over the poses of the capture, and its standard deviation. Of unknown masses
+/// it is what is left of it beside constant turns: large moments that cancel each other would else make it that of no machine.
 void fillDeflection(const Selection& selection, std::size_t number, Finding& finding) {
   const Accepted& accepted = *selection.findings[number].accepted;
   const Candidate& candidate = accepted.candidate;
   if (!candidate.known() || !candidate.effect->kind().yields_to_gravity) return;
-  // The turning parts (w; v) of the target's pose, or the joint's reading.
-  const Eigen::Index size = candidate.entry().reach == Reach::kJoint ? 1 : 6, turning = std::min<Eigen::Index>(size, 3);
-  const Eigen::MatrixXd actions = actionsOf(candidate, selection.linear.rows, 0, selection.linear.rows.observations.size());
+  Eigen::MatrixXd actions = turningActions(candidate, selection.linear.rows);
+  if (candidate.effect->byMasses()) {
+    const Eigen::MatrixXd constant = constantTurns(candidate, selection.linear.rows);
+    actions -= constant * constant.completeOrthogonalDecomposition().solve(actions);
+  }
+  const Eigen::Index turning = candidate.entry().reach == Reach::kJoint ? 1 : 3;
   Eigen::RowVectorXd most = Eigen::RowVectorXd::Zero(actions.cols());  // the largest one's length by the factors
   double largest = 0.0;
-  for (Eigen::Index row = 0; row + size <= actions.rows(); row += size) {
+  for (Eigen::Index row = 0; row < actions.rows(); row += turning) {
     const Eigen::VectorXd deflection = actions.middleRows(row, turning) * accepted.factors;
     if (!(deflection.norm() > largest)) continue;
     largest = deflection.norm();
@@ -164,7 +195,39 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order) {
   return diagnosis;
 }
 
+void tellNoiseThatIsNone(const Selection& selection, Diagnosis& diagnosis) {
+  if (diagnosis.tag_sigma > kSearch.any_tag) {
+    diagnosis.gap_remains = true;
+    diagnosis.warnings.push_back(fmt::format(
+        "the tags of one picture lie {:.2f} px from where the target's file puts them beside each other, expected some 0.1 px: a "
+        "tag that stands out of the plane or is tilted, or sizes and places that are not those of the printed target",
+        diagnosis.tag_sigma));
+  }
+  if (diagnosis.repeatability > kSearch.any_arm && !comesBack(selection.measured)) {
+    diagnosis.gap_remains = true;
+    diagnosis.warnings.push_back(fmt::format(
+        "readings and pictures agree only to {:.2f} mrad a joint, expected some 0.1 mrad: readings that are not of the picture's "
+        "moment, an arm that moved while it was taken (record dq1..), or joints that do not come back; the same poses taken again "
+        "after other ones tell which",
+        1e3 * diagnosis.repeatability));
+  }
+}
+
+/// A gain of -1 takes a joint's readings back.
+void tellUnmoved(Diagnosis& diagnosis) {
+  constexpr double kNearly = 0.05;
+  for (const Finding& finding : diagnosis.findings) {
+    const auto gain = finding.effect == "joint_gain" ? finding.parameters.find("gain") : finding.parameters.end();
+    if (gain == finding.parameters.end() || std::abs(gain->second + 1.0) > kNearly) continue;
+    diagnosis.warnings.push_back(
+        fmt::format("{} moves nothing that is seen, whatever it reads: is the target or the camera mounted before it, or is the arm's last "
+                    "link another?",
+                    finding.location));
+  }
+}
+
 void tellContradictions(const Selection& selection, Diagnosis& diagnosis) {
+  tellUnmoved(diagnosis);
   const Ranking& first = selection.base_ranking;
   const std::optional<AgainstGravity>& against = first.against_gravity;
   // Whatever else was found in its place, it would have stood before it, or beside it.

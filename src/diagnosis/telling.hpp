@@ -14,6 +14,9 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order);
 
 void tellNoise(const Selection& selection, Diagnosis& diagnosis);
 
+/// Noise that is more than any arm or any printed target has: a gap then remains, whatever else is found. After tellNoise().
+void tellNoiseThatIsNone(const Selection& selection, Diagnosis& diagnosis);
+
 /// Whether gravity is stated the other way round than what yields to it tells.
 void tellContradictions(const Selection& selection, Diagnosis& diagnosis);
 

@@ -32,6 +32,21 @@ std::string listOf(const std::vector<int>& joints) {
   return text;
 }
 
+/// Whatever is mounted before a joint follows none of its readings, nor those of joints beyond.
+void addUnmoved(const Problem& problem, std::vector<Mistake>& mistakes) {
+  constexpr int kLast = 2;
+  const char* mounted = problem.cell.registration.setup == Setup::kEyeInHand ? "camera" : "target";
+  const int count = problem.cell.arm->jointCount();
+  for (int first = count - 1; first >= std::max(1, count - kLast); --first) {
+    std::vector<int> still(static_cast<std::size_t>(count - first));
+    std::iota(still.begin(), still.end(), first);
+    const char* move = still.size() == 1 ? "does not move" : "do not move";
+    mistakes.push_back(mistakeOfReadings(fmt::format("{} {} the {}: is it mounted before joint {}, or is the arm's last link another?",
+                                                     listOf(still), move, mounted, first + 1),
+                                         [first](Eigen::VectorXd& q) { q.tail(q.size() - first).setZero(); }));
+  }
+}
+
 void addUnits(const Arm& arm, std::vector<Mistake>& mistakes) {
   std::vector<int> revolute, prismatic;
   for (int k = 0; k < arm.jointCount(); ++k) {
@@ -176,6 +191,7 @@ std::vector<Mistake> jointMistakePairs(const Problem& problem) {
 std::vector<Mistake> jointMistakes(const Problem& problem) {
   std::vector<Mistake> mistakes;
   if (!problem.cell.arm) return mistakes;
+  addUnmoved(problem, mistakes);
   addUnits(*problem.cell.arm, mistakes);
   addSigns(problem.cell.arm->jointCount(), problem.cell.arm->jointCount(), mistakes);
   addOrders(*problem.cell.arm, mistakes);

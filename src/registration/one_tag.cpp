@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "poecal/geometry/se3.hpp"
 #include "poecal/registration/implausible.hpp"
 #include "poecal/registration/target_pose.hpp"
 #include "registration/problem.hpp"
@@ -26,9 +27,13 @@ constexpr double kOtherPlaceOfArms = 0.5;
 constexpr double kSurely = 6.0;  // standard deviations
 constexpr double kMends = 0.3;   // of what free poses leave as stated
 constexpr int kTagCorners = 4;
+constexpr double kDegree = 180.0 / M_PI;
 
-/// Change of a tag in its plane: size beside 1, shift along its two edges [m], turn [rad].
-using Change = Eigen::Vector4d;
+/// Change of a tag: size beside 1, shift along its two edges and out of its plane [m], turn about the same three axes [rad].
+using Change = Eigen::Matrix<double, 7, 1>;
+
+/// Corners as stated, by tag and number.
+using CornersOfTags = std::map<int, std::map<int, Eigen::Vector3d>>;
 
 /// Tags whose four corners a picture shows.
 std::set<int> wholeTags(const Observation& observation) {
@@ -41,29 +46,30 @@ std::set<int> wholeTags(const Observation& observation) {
   return whole;
 }
 
-/// A tag as stated: its middle, and unit vectors along its edges.
+/// A tag as stated: its middle, and unit vectors along its edges and out of its plane.
 struct TagPlane {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero(), along = Eigen::Vector3d::Zero(), across = Eigen::Vector3d::Zero();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   double size = 0.0;
 
   static TagPlane of(const std::map<int, Eigen::Vector3d>& corners) {
     TagPlane plane;
     for (const auto& [corner, point] : corners) plane.middle += point / kTagCorners;
     plane.size = (corners.at(1) - corners.at(0)).norm();
-    plane.along = (corners.at(1) - corners.at(0)).normalized();
+    const Eigen::Vector3d along = (corners.at(1) - corners.at(0)).normalized();
     const Eigen::Vector3d up = corners.at(3) - corners.at(0);
-    plane.across = (up - plane.along * plane.along.dot(up)).normalized();
+    const Eigen::Vector3d across = (up - along * along.dot(up)).normalized();
+    plane.axes << along, across, along.cross(across);
     return plane;
   }
   /// d(point) / d(change).
-  Eigen::Matrix<double, 3, 4> derivative(const Eigen::Vector3d& point) const {
-    Eigen::Matrix<double, 3, 4> J;
-    J << (point - middle), along, across, along.cross(across).cross(point - middle);
+  Eigen::Matrix<double, 3, 7> derivative(const Eigen::Vector3d& point) const {
+    Eigen::Matrix<double, 3, 7> J;
+    J << (point - middle), axes, -hat(point - middle) * axes;
     return J;
   }
   Eigen::Vector3d changed(const Eigen::Vector3d& point, const Change& change) const {
-    const Eigen::AngleAxisd turn(change(3), along.cross(across));
-    return middle + (1.0 + change(0)) * (turn * (point - middle)) + change(1) * along + change(2) * across;
+    return middle + (1.0 + change(0)) * (expSo3(axes * change.tail<3>()) * (point - middle)) + axes * change.segment<3>(1);
   }
 };
 
@@ -71,9 +77,13 @@ struct FittedChange {
   Change change = Change::Zero(), sigma = Change::Zero();
 };
 
-/// What a tag's corners are off by where the others foretell them.
-std::optional<FittedChange> fitChange(const Camera& camera, const std::vector<Observation>& rows, int tag, const TagPlane& plane) {
-  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
+/// Where a tag may differ: in its plane, which the pose of one other tag shows well, or anywhere.
+enum class Within { kPlane, kSpace };
+
+/// What a tag's corners, changed so, are off by where the others foretell them.
+std::optional<FittedChange> furtherChange(const Camera& camera, const std::vector<Observation>& rows, int tag, const TagPlane& plane,
+                                          const Change& change, Within within) {
+  Eigen::Matrix<double, 7, 7> A = Eigen::Matrix<double, 7, 7>::Zero();
   Change b = Change::Zero();
   double squares = 0.0, numbers = 0.0;
   std::size_t used = 0;
@@ -88,9 +98,9 @@ std::optional<FittedChange> fitChange(const Camera& camera, const std::vector<Ob
     const Eigen::Isometry3d& T = poses.front().T_camera_target;
     for (const CornerMeasurement& corner : row.corners) {
       if (corner.id.tag != tag) continue;
-      const auto seen = projectWithJacobians(camera, T * corner.p_target);
+      const auto seen = projectWithJacobians(camera, T * plane.changed(corner.p_target, change));
       if (!seen) continue;
-      const Eigen::Matrix<double, 2, 4> J = seen->J_px_p * T.linear() * plane.derivative(corner.p_target);
+      const Eigen::Matrix<double, 2, 7> J = seen->J_px_p * T.linear() * plane.derivative(corner.p_target);
       const Eigen::Vector2d r = corner.px - seen->px;
       A += J.transpose() * J;
       b += J.transpose() * r;
@@ -99,12 +109,34 @@ std::optional<FittedChange> fitChange(const Camera& camera, const std::vector<Ob
     }
   }
   if (used < kFewestRows) return std::nullopt;
-  const Eigen::LDLT<Eigen::Matrix4d> ldlt(A);
+  constexpr int kOutOfPlane = 3, kWays = 3;  // its shift out of the plane, and both tilts
+  if (within == Within::kPlane) {
+    A.middleRows<kWays>(kOutOfPlane).setZero();
+    A.middleCols<kWays>(kOutOfPlane).setZero();
+    A.block<kWays, kWays>(kOutOfPlane, kOutOfPlane).setIdentity();
+    b.segment<kWays>(kOutOfPlane).setZero();
+    numbers += kWays;
+  }
+  const Eigen::LDLT<Eigen::Matrix<double, 7, 7>> ldlt(A);
   FittedChange fitted{ldlt.solve(b), {}};
-  const double variance = std::max(0.0, squares - fitted.change.dot(b)) / std::max(1.0, numbers - 4.0);
-  fitted.sigma = (variance * ldlt.solve(Eigen::Matrix4d::Identity()).diagonal()).cwiseMax(0.0).cwiseSqrt();
+  const double variance = std::max(0.0, squares - fitted.change.dot(b)) / std::max(1.0, numbers - 7.0);
+  fitted.sigma = (variance * ldlt.solve(Eigen::Matrix<double, 7, 7>::Identity()).diagonal()).cwiseMax(0.0).cwiseSqrt();
   if (!fitted.change.allFinite() || !fitted.sigma.allFinite()) return std::nullopt;
   return fitted;
+}
+
+/// What a tag's corners are off by, as a change of the tag.
+std::optional<FittedChange> fitChange(const Camera& camera, const std::vector<Observation>& rows, int tag, const TagPlane& plane,
+                                      Within within) {
+  const int steps = within == Within::kPlane ? 1 : 3;  // tilts of some tenths of a radian are not linear
+  Change change = Change::Zero();
+  std::optional<FittedChange> further;
+  for (int step = 0; step < steps; ++step) {
+    further = furtherChange(camera, rows, tag, plane, change, within);
+    if (!further) return std::nullopt;
+    change += further->change;
+  }
+  return FittedChange{change, further->sigma};
 }
 
 /// How one tag differs from what is stated.
@@ -124,12 +156,16 @@ Difference describe(const FittedChange& fitted, double size, double elsewhere) {
   }
   difference.is_moved = surely(1, elsewhere * size) || surely(2, elsewhere * size);
   if (difference.is_moved) add(fmt::format("{:.3g} mm from its stated place", 1e3 * std::hypot(fitted.change(1), fitted.change(2))));
-  if (surely(3, kOtherTurn)) add(fmt::format("turned by {:.3g} degrees", fitted.change(3) * 180.0 / M_PI));
+  if (surely(3, kOtherPlace * size)) add(fmt::format("{:.3g} mm out of its stated plane", 1e3 * std::abs(fitted.change(3))));
+  if (surely(6, kOtherTurn)) add(fmt::format("turned by {:.3g} degrees", fitted.change(6) * kDegree));
+  if (surely(4, kOtherTurn) || surely(5, kOtherTurn)) {
+    add(fmt::format("tilted by {:.3g} degrees", std::hypot(fitted.change(4), fitted.change(5)) * kDegree));
+  }
   return difference;
 }
 
 /// A tag of half or twice its size, or farther away than the target is wide: the others place it by a pose that is none.
-bool isFarFrom(const FittedChange& fitted, const std::map<int, std::map<int, Eigen::Vector3d>>& tags, const TagPlane& plane) {
+bool isFarFrom(const FittedChange& fitted, const CornersOfTags& tags, const TagPlane& plane) {
   constexpr double kHalf = 0.5;
   double farthest = 0.0;
   for (const auto& [tag, corners] : tags) {
@@ -143,22 +179,16 @@ std::size_t posed(const Problem& problem) {
                                                 [](const HypothesisSample& sample) { return !sample.candidates.empty(); }));
 }
 
-}  // namespace
-
-void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observations) {
-  if (!cell.camera || observations.empty() || observations.front().pose) return;
-  std::map<int, std::map<int, Eigen::Vector3d>> tags;
-  for (const auto& [id, point] : pointsSeen(observations)) tags[id.tag][id.corner] = point;
-  if (tags.size() < kFewestTags || tags.size() > kMostTags || tags.begin()->first < 0) return;
-  Problem few = evenly(cell, observations, kRows);
-  renewPictures(few);
+/// The tag that is not as stated, and how; empty where none is.
+std::string tagThatDiffers(const Problem& few, const CornersOfTags& tags, Within within) {
+  const Cell& cell = few.cell;
   const double stated = freeMisfit(few.samples);
   double least = kMends * stated;
   std::string best;
   for (const auto& [tag, corners] : tags) {
     if (corners.size() != kTagCorners) continue;
     const TagPlane plane = TagPlane::of(corners);
-    const auto fitted = fitChange(*cell.camera, few.observations, tag, plane);
+    const auto fitted = fitChange(*cell.camera, few.observations, tag, plane, within);
     if (!fitted) continue;
     const Difference difference = describe(*fitted, plane.size, cell.arm ? kOtherPlaceOfArms : kOtherPlace);
     if (difference.text.empty() || isFarFrom(*fitted, tags, plane)) continue;
@@ -180,7 +210,22 @@ void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observ
         "its own in each picture)",
         tag, difference.text, left, stated);
   }
-  if (!best.empty()) throw ImplausibleCapture(best, InputPart::kTarget);
+  return best;
+}
+
+}  // namespace
+
+void requireEachTagFits(const Cell& cell, const std::vector<Observation>& observations) {
+  if (!cell.camera || observations.empty() || observations.front().pose) return;
+  CornersOfTags tags;
+  for (const auto& [id, point] : pointsSeen(observations)) tags[id.tag][id.corner] = point;
+  if (tags.size() < kFewestTags || tags.size() > kMostTags || tags.begin()->first < 0) return;
+  Problem few = evenly(cell, observations, kRows);
+  renewPictures(few);
+  for (const Within within : {Within::kPlane, Within::kSpace}) {
+    const std::string misfit = tagThatDiffers(few, tags, within);
+    if (!misfit.empty()) throw ImplausibleCapture(misfit, InputPart::kTarget);
+  }
 }
 
 }  // namespace poecal

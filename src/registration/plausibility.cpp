@@ -201,8 +201,11 @@ class MistakeSearch {
     const double calibrated = calibrate(altered, registration).misfit;
     const bool arm_explains_rest = few_.cell.arm && std::isfinite(calibrated) && calibrated <= kMendsCalibrated * calibrated_.misfit &&
                                    calibrated <= kSuspicious * chance_;
-    if (!explains(found->misfit) && !arm_explains_rest) return;
-    keep({text, part, std::nullopt, found->misfit, calibrated, leftText(altered, registration, found->misfit)});
+    const bool alone = explains(found->misfit);
+    if (!alone && !arm_explains_rest) return;
+    std::string left = leftText(altered, registration, found->misfit);
+    if (!alone) left += fmt::format(", and to {:.3g} {} with the arm fitted too,", calibrated, misfitUnit(few_.observations.front()));
+    keep({text + (alone ? "" : ", or the robot is not the one of its file"), part, std::nullopt, found->misfit, calibrated, left});
   }
 
   /// The earlier one stays unless another is clearly better: by what is left with the arm's errors taken out, and among equals before that.

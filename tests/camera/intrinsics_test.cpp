@@ -323,6 +323,15 @@ TEST(Intrinsics, CoefficientsThatThePicturesDoNotDetermineAreNamed) {
   }
 }
 
+TEST(Intrinsics, PicturesThatWereStretchedAreSaid) {
+  Rng rng = test::rngOfThisTest();
+  Camera camera = test::plumbBobCamera();
+  const auto warnings = [&] { return calibrated(camera, test::noisy(test::boardScene(camera, 12, rng).views, 0.1, rng)).warnings; };
+  EXPECT_THAT(warnings(), ::testing::Not(Contains(HasSubstr("square pixels"))));
+  camera.fy *= 0.95;
+  EXPECT_THAT(warnings(), Contains(HasSubstr("of fx, expected square pixels: were the pictures stretched")));
+}
+
 TEST(Intrinsics, NeverSetsAsideMoreThanAQuarter) {
   Rng rng = test::rngOfThisTest();
   const Camera truth = test::plumbBobCamera();

@@ -7,6 +7,7 @@
 
 #include "diagnosis/small_cell.hpp"
 #include "poecal/core/error.hpp"
+#include "poecal/effects/sample_context.hpp"
 
 namespace poecal {
 namespace {
@@ -85,6 +86,47 @@ TEST(Diagnose, ReadingsThatWereRoundedAreNoiseAndNoEffect) {
   EXPECT_NEAR(diagnosis.noise_sigma, kSigma, 0.1 * kSigma) << "of the corners, beside it";
 }
 
+TEST(Diagnose, JointsThatMissTheirReadingsByMoreThanAnyArmLeaveAGap) {
+  Rng rng = test::rngOfThisTest();
+  test::SmallCell small = test::smallCell(12, kPoses, kSigma, {});
+  constexpr double kMissed = 1.5e-3;  // [rad]
+  for (Observation& observation : small.observations) {
+    Sample& sample = small.samples[observation.sample];
+    for (double& q : sample.q) q += kMissed * rng.normal();
+    observation.q = sample.q;
+  }
+  const Diagnosis diagnosis = small.diagnosis();
+  EXPECT_THAT(diagnosis.findings, IsEmpty());
+  EXPECT_TRUE(diagnosis.gap_remains);
+  EXPECT_FALSE(diagnosis.isClean());
+  EXPECT_THAT(diagnosis.warnings, ::testing::Contains(HasSubstr("readings and pictures agree only to 1.")));
+}
+
+TEST(Diagnose, TagsThatStandElsewhereInEachPictureLeaveAGap) {
+  Rng rng = test::rngOfThisTest();
+  test::SmallCell small = test::smallCell(13, kPoses, kSigma, {});
+  for (Observation& observation : small.observations) {
+    const Eigen::Vector2d shift(rng.normal(), rng.normal());
+    for (CornerMeasurement& corner : observation.corners) corner.px += shift;
+  }
+  const Diagnosis diagnosis = small.diagnosis();
+  EXPECT_TRUE(diagnosis.gap_remains);
+  EXPECT_THAT(diagnosis.warnings, ::testing::Contains(HasSubstr("the tags of one picture lie")));
+}
+
+// A joint that hardly turns is no mistake that a registration shows.
+TEST(Diagnose, AJointBeforeWhichTheTargetIsMountedIsSaid) {
+  test::SmallCell small = test::smallCell(14, kPoses, kSigma, {});
+  for (Observation& observation : small.observations) {
+    Sample& sample = small.samples[observation.sample];
+    sample.q(5) *= 0.05;
+    observation.q = sample.q;
+  }
+  test::observeWith(
+      small, 5, [](const Eigen::VectorXd& q) { return -q(5); }, kSigma);
+  EXPECT_THAT(small.diagnosis().warnings, ::testing::Contains(HasSubstr("joint:6 moves nothing that is seen")));
+}
+
 TEST(Diagnose, RoundFiguresThatWereCommandedAreNoNoise) {
   test::SmallCell small = test::smallCell(9, kPoses, kSigma, {});
   for (Observation& observation : small.observations) {
@@ -117,6 +159,28 @@ TEST(Diagnose, JointThatMovesAtRandomIsNoEffectOfItsPose) {
   EXPECT_EQ(diagnosis.findings.front().location, "joint:2");
   // A standard deviation from 60 draws: to 9 %, four times.
   EXPECT_NEAR(diagnosis.findings.front().parameters.at("sigma"), 3e-4, 0.36 * 3e-4);
+}
+
+// A constant deflection is a joint's zero, which the arm takes up: of masses that nobody stated it is no part of what is told.
+TEST(Diagnose, DeflectionOfUnknownMassesIsToldBesideItsMean) {
+  constexpr double kCompliance = 2e-4;  // [rad/(N m)]
+  constexpr std::size_t kJoint = 2;
+  test::SmallCell small = test::smallCell(100, kPoses, kSigma, {{"joint_compliance", "joint:3", {{"compliance", kCompliance}}}});
+  const auto capture = makeCaptureContext(small.cell, small.target, {0.0, 0.0, -9.80665}, small.samples);
+  Eigen::VectorXd deflections(static_cast<Eigen::Index>(small.samples.size()));
+  for (std::size_t k = 0; k < small.samples.size(); ++k) {
+    deflections(static_cast<Eigen::Index>(k)) = kCompliance * makeSampleContext(capture, small.samples[k], k, {}).torque(kJoint);
+  }
+  small.nominal.links.clear();
+  const Diagnosis diagnosis = small.diagnosis();
+  ASSERT_THAT(diagnosis.findings, SizeIs(1)) << diagnosisText(diagnosis, {});
+  const Finding& found = diagnosis.findings.front();
+  ASSERT_EQ(found.effect, "joint_compliance");
+  ASSERT_EQ(found.location, "joint:3");
+  const double beside = (deflections.array() - deflections.mean()).abs().maxCoeff();
+  EXPECT_NEAR(*found.largest_deflection, beside, 4.0 * *found.largest_deflection_deviation);
+  // As far from the whole of it, in deviations, as no chance is.
+  EXPECT_GT(std::abs(*found.largest_deflection - deflections.array().abs().maxCoeff()), 8.0 * *found.largest_deflection_deviation);
 }
 
 TEST(Diagnose, CurveWithoutANameIsInTheModelAndServesPosesThatNobodySaw) {

@@ -124,6 +124,12 @@ TEST(Plausibility, OneTagOfSeveralThatIsNotAsStatedIsNamed) {
                 HasSubstr("tag 1 does not fit the layout of the others: it looks 5.0 % smaller than stated"));
     EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + Eigen::Vector3d(0.03, 0.04, 0.0); }),
                 ::testing::ContainsRegex("tag 1 does not fit the layout of the others: it looks 50.?[0-9]? mm from its stated place"));
+    EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p + Eigen::Vector3d(0.0, 0.0, 0.008); }),
+                ::testing::ContainsRegex("tag 1 does not fit the layout of the others: it looks [78].?[0-9]* mm out of its stated plane"));
+    EXPECT_THAT(message([&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+                  return middle + Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()) * (p - middle);
+                }),
+                ::testing::ContainsRegex("tag 1 does not fit the layout of the others: it looks tilted by 1[67].?[0-9]* degrees"));
     // A hundredth of its size is what cutting and glueing leave, a fifth a slip in the file: effects like others, whose size is told.
     for (const double off : {5e-4, 0.01}) {
       const MadeCapture cut =
@@ -173,6 +179,31 @@ TEST(Plausibility, OfTwoTagsTheOneOfAnotherSizeIsNamed) {
       if (id.tag == 1) p.y() += 0.01;
     }
     EXPECT_FALSE(said(withPoints(good, stated, elsewhere)).refused) << "an effect of the target";
+    std::map<PointId, Eigen::Vector3d> out = stated;
+    for (auto& [id, p] : out) {
+      if (id.tag == 1) p.z() += 0.01;
+    }
+    EXPECT_THAT(said(withPoints(good, stated, out)).message, HasSubstr("out of its stated plane"));
+  }
+}
+
+TEST(Plausibility, AJointBeforeWhichTheTargetIsMountedIsNamed) {
+  Rng rng = test::rngOfThisTest();
+  for (const CaptureKind& kind : {CaptureKind{"elbow"}, CaptureKind{"seven", Setup::kEyeInHand}}) {
+    MadeCapture made = makeCapture(kind, rng);
+    for (Observation& observation : made.observations) {
+      Eigen::VectorXd q = observation.q;
+      q.tail<1>().setZero();
+      const Eigen::Isometry3d T = made.truth.registration.cameraTarget(forwardKinematics(*made.truth.arm, q));
+      for (CornerMeasurement& corner : observation.corners) {
+        corner.px = *project(*made.truth.camera, T * corner.p_target) + 0.1 * Eigen::Vector2d(rng.normal(), rng.normal());
+      }
+    }
+    EXPECT_THAT(said(made).message,
+                HasSubstr(kind.setup == Setup::kEyeInHand
+                              ? "q7 does not move the camera: is it mounted before joint 7, or is the arm's last link another?"
+                              : "q6 does not move the target: is it mounted before joint 6, or is the arm's last link another?"))
+        << nameOf(kind);
   }
 }
 

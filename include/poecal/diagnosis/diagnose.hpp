@@ -78,7 +78,8 @@ struct Finding {
   std::string remedy = {};
   /// At camera.mount, where the pictures show a reference: which of camera and base moved, and how that is known.
   std::string reference = {};
-  /// Compliances: largest turn [rad] or shift [m] that it makes over the capture's poses.
+  /// Compliances: largest turn [rad] or shift [m] that it makes over the capture's poses. Where the links' masses are not stated, beside
+  /// constant turns of the base and of the bodies up to its place, or a joint's zero: the registration and the axes take these up.
   std::optional<double> largest_deflection = {};
   std::optional<double> largest_deflection_deviation = {};  ///< its standard deviation
   std::vector<std::string> images = {};                     ///< bad_samples: which
