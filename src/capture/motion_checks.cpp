@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,7 +11,7 @@
 namespace poecal {
 namespace {
 
-constexpr std::size_t kFewest = 20;  // rows: fewer go together by chance
+constexpr std::size_t kFewest = 20;  // poses: fewer go together by chance
 
 /// How fast the joints would have moved, as a share of what they can.
 struct Hurry {
@@ -68,6 +69,13 @@ std::string contradictionOf(const std::vector<Sample>& samples, Eigen::Index k) 
   return "";
 }
 
+/// Poses that are taken again and again say no more than once.
+std::size_t differentPoses(const std::vector<Sample>& samples) {
+  std::set<std::vector<double>> poses;
+  for (const Sample& sample : samples) poses.emplace(sample.q.begin(), sample.q.end());
+  return poses.size();
+}
+
 bool isZeroOrOne(const std::vector<Sample>& samples, Eigen::Index k) {
   const auto count = [&](double value) {
     return static_cast<std::size_t>(
@@ -104,7 +112,7 @@ std::vector<std::string> speedRemarks(const std::filesystem::path& file, const s
 
 std::vector<std::string> directionRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
   std::vector<std::string> remarks;
-  if (samples.size() < kFewest) return remarks;
+  if (differentPoses(samples) < kFewest) return remarks;
   for (const Sample& sample : samples) {
     if (sample.dir.size() != arm.jointCount() || sample.q.size() != arm.jointCount()) return remarks;
   }

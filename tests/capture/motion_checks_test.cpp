@@ -79,6 +79,11 @@ TEST_F(MotionChecks, ControllersMayComeFromASideOfTheirOwn) {
   EXPECT_THAT(directions(), IsEmpty());
   for (Sample& sample : samples_) sample.dir.setOnes();
   EXPECT_THAT(directions(), IsEmpty()) << "always from below";
+  for (std::size_t row = 0; row < kRows; ++row) {
+    samples_[row].q = samples_[row % 3].q;
+    samples_[row].dir.setConstant(row % 3 == 1 ? -1.0 : 1.0);
+  }
+  EXPECT_THAT(directions(), IsEmpty()) << "three poses, again and again";
   for (Sample& sample : samples_) sample.dir.resize(0);
   EXPECT_THAT(directions(), IsEmpty());
 }
