@@ -134,7 +134,7 @@ struct Diagnosis {
   std::vector<Finding> possibilities;  ///< of captures of few poses: named effects that do not serve poses which the fit did not see
   RowOrder row_order;                  ///< columns that the order of the rows stood in for
   std::vector<GapPlace> where;
-  /// Held-out poses are off by far more than the noise may be: an effect that is not listed, or input that does not belong together.
+  /// Held-out poses are off by far more than the noise may be, or that noise is more than any arm or target has.
   bool gap_remains = false;
   bool remaining_significant = false;
   double remaining_p_value = 1.0;
