@@ -42,9 +42,9 @@ void requireArmOf(const Model& model, const std::filesystem::path& model_file, c
 }
 
 void requireLinksOf(const Model& model, const std::filesystem::path& robot, const std::string& base_link, const std::string& tip_link) {
-  if (!isUrdf(robot)) return;
-  const auto require = [&robot](const char* option, const std::string& link, const std::string& of_model) {
-    if (link.empty() || of_model.empty() || link == of_model || !hasLink(robot, of_model)) return;
+  const bool urdf = isUrdf(robot);
+  const auto require = [&robot, urdf](const char* option, const std::string& link, const std::string& of_model) {
+    if (link.empty() || of_model.empty() || link == of_model || (urdf && !hasLink(robot, of_model))) return;
     throw InvalidArgument(fmt::format("{} is '{}', expected '{}' as in the model", option, link, of_model));
   };
   require("--base-link", base_link, model.base_link);

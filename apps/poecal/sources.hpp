@@ -29,8 +29,8 @@ void addArmSource(CLI::App& app, ArmSource& source, IdentifyOptions& options);
 /// @throws FileError: the nominal arm of `robot` is not the one of which `model_file` is a calibration.
 void requireArmOf(const Model& model, const std::filesystem::path& model_file, const Arm& nominal, const std::filesystem::path& robot);
 
-/// @throws InvalidArgument: --base-link or --tip-link names another link than the model's arm is between, and the robot's file has that
-/// one. Empty ones are not judged, nor a robot.yaml.
+/// @throws InvalidArgument: --base-link or --tip-link names another link than the model's arm is between, and the robot's file, where it is
+/// a URDF, has that one. Empty ones are not judged.
 void requireLinksOf(const Model& model, const std::filesystem::path& robot, const std::string& base_link, const std::string& tip_link);
 
 /// Calibrates whichever of the two was given. @throws InvalidArgument where neither was; otherwise as runCapture().

@@ -118,14 +118,14 @@ void tryRegistration(const Capture& capture, const Detections& detections, Check
     try {
       const RegistrationResult result =
           registerCell(cell, cornerObservations(capture.table, detections, capture.target), {.progress = list.progress()});
-      // Some millimetres before a usual lens; beyond that it is no tolerance that the axes are off by.
-      constexpr double kFarOff = 0.01;  // of the picture's width
+      // Zeros that are off by a degree leave a hundredth of a usual picture's width.
+      constexpr double kFarOff = 0.03;
       const bool far = capture.camera && capture.camera->width > 0 && result.rms_px > kFarOff * capture.camera->width;
-      list.add(
-          far ? CheckLevel::kAdvice : CheckLevel::kOk, "registration",
-          fmt::format(
-              "as the robot is stated, the readings explain the corners to {:.3g} px{}", result.rms_px,
-              far ? ", which is far for an arm made to its tolerances: is a joint's type, axis or length in the robot's file wrong?" : ""));
+      list.add(far ? CheckLevel::kAdvice : CheckLevel::kOk, "registration",
+               fmt::format("as the robot is stated, the readings explain the corners to {:.3g} px{}", result.rms_px,
+                           far ? ", which is far for an arm made to its tolerances: is a zero, or a joint's type, axis or length in the "
+                                 "robot's file wrong?"
+                               : ""));
       for (const std::string& warning : result.warnings) list.add(CheckLevel::kAdvice, "registration", warning);
     } catch (const ImplausibleInput& suspicion) {
       throw fileErrorOf(suspicion, capture);

@@ -117,7 +117,7 @@ void readDiagnosis(const YamlNode& root, ResultSummary& summary) {
   summary.gap_remains = gap_remains && gap_remains->text() == "true";
   summary.structure_left = root["remaining"]["significant"].text() == "true";
   if (summary.structure_left) summary.warnings.push_back("structure remains that no finding explains");
-  if (summary.gap_remains) summary.warnings.push_back("a gap remains that no finding explains, far above the noise");
+  if (summary.gap_remains) summary.warnings.push_back("a gap remains that no finding explains");
 }
 
 /// The first stages of a diagnosis are the identification's own, with the same numbers.

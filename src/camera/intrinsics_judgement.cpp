@@ -112,7 +112,7 @@ std::string stretchWarning(const IntrinsicsFit& fit) {
   const double sigma = std::sqrt(std::max(0.0, slope.dot(fit.covariance.topLeftCorner<2, 2>() * slope)));
   const double stretch = std::log(fy / fx);
   if (!(std::abs(stretch) > std::max(kSquare, kSurely * sigma))) return "";
-  return fmt::format("fy is {:.3f} of fx, expected square pixels: were the pictures stretched, or is the board's square no square?",
+  return fmt::format("fy is {:.3f} of fx, expected square pixels: were the pictures stretched, or are the board's squares not square?",
                      fy / fx);
 }
 

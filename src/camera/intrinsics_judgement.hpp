@@ -22,7 +22,7 @@ void requireDetermined(const Camera& camera, const Eigen::MatrixXd& information,
 /// that is correlated beyond 0.99 with another parameter.
 std::vector<std::string> coefficientWarnings(const IntrinsicsFit& fit);
 
-/// Whether the focal lengths differ by more than two hundredths and five of its standard deviations; empty where not.
+/// Says where fy / fx differs from 1 by more than 0.02 and five standard deviations; empty where not.
 std::string stretchWarning(const IntrinsicsFit& fit);
 
 /// @param covariance  of camera.parameters().

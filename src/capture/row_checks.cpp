@@ -106,6 +106,8 @@ std::optional<std::string> unitOfStamps(double value, double gap) {
 
 }  // namespace
 
+double impossibleSpeed(const Joint* joint) { return speedLimitOf(joint).speed; }
+
 double distanceOfRows(const Sample& a, const Sample& b) {
   if (a.q.size() > 0 && a.q.size() == b.q.size()) return (a.q - b.q).cwiseAbs().maxCoeff();
   if (!a.T_base_flange || !b.T_base_flange) return 0.0;
@@ -187,9 +189,12 @@ std::vector<std::string> temperatureRemarks(const std::filesystem::path& file, c
 }
 
 std::vector<std::string> payloadRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm) {
+  const bool slides =
+      std::any_of(arm.joints.begin(), arm.joints.end(), [](const Joint& joint) { return joint.type == JointType::kPrismatic; });
+  const bool known = std::all_of(arm.links.begin(), arm.links.end(), [](const LinkMass& link) { return link.mass > 0.0; });
+  if (arm.links.empty() || slides || !known) return {};
   double mass = 0.0;
   for (const LinkMass& link : arm.links) mass += link.mass;
-  if (!(mass > 0.0)) return {};
   for (const Sample& sample : samples) {
     if (sample.payload.value_or(0.0) <= mass) continue;
     return {fmt::format("{}:{}: payload is {:.6g}, more than the {:.3g} kg of the arm itself, expected kg; is it in grams or newtons?",

@@ -13,6 +13,10 @@ namespace poecal {
 /// [m], [rad]. 0 where there is nothing to compare.
 double distanceOfRows(const Sample& a, const Sample& b);
 
+/// Speed that a joint does not reach [rad/s], [m/s]: three times the limit that its robot file states, or what no arm is known to make.
+/// @param joint  nullptr where it is not known.
+double impossibleSpeed(const Joint* joint);
+
 /// @param arm  nullptr where it is not known.
 /// @throws FileError with the line: joint velocities or a payload that the arm cannot have.
 void requirePossibleRows(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm* arm);
@@ -32,8 +36,8 @@ std::vector<std::string> stampRemarks(const std::filesystem::path& file, const s
 /// Temperatures in another unit than degrees Celsius, in all rows or from one to the next. One sentence at most, with file and line.
 std::vector<std::string> temperatureRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples);
 
-/// Payloads that weigh more than the arm itself, where its masses are stated: no arm carries that. One sentence at most, with file and
-/// line.
+/// Payloads that weigh more than the arm itself, where all its masses are stated and no joint slides: no such arm carries that. One
+/// sentence at most, with file and line.
 std::vector<std::string> payloadRemarks(const std::filesystem::path& file, const std::vector<Sample>& samples, const Arm& arm);
 
 /// Turning joints whose readings all lie within half a turn but for whole turns that some of them have more: counters that wrapped around.

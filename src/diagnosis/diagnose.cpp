@@ -292,7 +292,8 @@ Diagnosis diagnose(const Identification& identification, const Measurements& giv
       tellWhatCanBeSeen(selection, diagnosis);
       tellExplained(selection, diagnosis);
       tellModel(selection, identification, diagnosis);
-      tellNoiseThatIsNone(selection, diagnosis);
+      tellTooMuchNoise(selection, diagnosis);
+      tellUnmoved(diagnosis);
       tellContradictions(selection, diagnosis);
       if (!wandering.empty()) diagnosis.warnings.push_back(wandering);
       tellBad(selection, measurements.observations, measurements.samples, diagnosis);

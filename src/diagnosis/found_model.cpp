@@ -105,7 +105,7 @@ void tellModel(const Selection& selection, const Identification& identification,
   diagnosis.model.effects = appliedEffects(selection, parameterDeviations(selection));
   const MeasuredCell& measured = selection.measured;
   diagnosis.model.driver_ranges = driverRangesOf(diagnosis.model.effects, measured.samples);
-  // The number of a row is no time that another table could have.
+  // Row numbers stand in for times; no other table shares them.
   if (!measured.timed) diagnosis.model.driver_ranges.erase("stamp");
   const ParameterLayout layout(state.cell.cell, measured.free);
   const Eigen::MatrixXd& covariance = selection.linear.noise.covariance;

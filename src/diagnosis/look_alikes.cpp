@@ -106,22 +106,19 @@ std::string allJoints(const Selection& selection) {
 }
 
 /// The name of what is more probable goes first: play, or structure that repeats show to be no chance.
-void putMostProbableFirst(double half_gap, Finding& finding) {
+void putMostProbableFirst(double half_gap, bool repeated, Finding& finding) {
   if (finding.alternatives.empty() || !(finding.alternatives.front().probability > finding.probability)) return;
   AlternativeCause& best = finding.alternatives.front();
   const bool play = best.effect == "joint_backlash";
-  if (!play && (best.effect != kUnknownEffect || best.location != finding.location)) return;
+  if (!play && !(repeated && best.effect == kUnknownEffect && best.location == finding.location)) return;
   const AlternativeCause former{finding.effect, finding.location, finding.driver, finding.probability};
-  const std::string unit = finding.units["sigma"];
   finding.effect = best.effect;
   finding.driver = best.driver;
   finding.probability = best.probability;
-  finding.parameters.clear();
-  finding.units.clear();
   finding.remedy.clear();
   if (play) {
     finding.parameters = {{"half_gap", half_gap}};
-    finding.units = {{"half_gap", unit}};
+    finding.units = {{"half_gap", finding.units["sigma"]}};
     finding.remedy = effectKind(finding.effect).remedy;
   }
   best = former;
@@ -157,7 +154,7 @@ void shareScatter(const Selection& selection, std::size_t joint, const RowOrder&
     way += "; record stamp";
   }
   sharing.share(way);
-  putMostProbableFirst(half_gap, finding);
+  putMostProbableFirst(half_gap, comesBack(selection.measured), finding);
 }
 
 /// What the capture lacks a column for, where the catalogue says that it would look like the finding.

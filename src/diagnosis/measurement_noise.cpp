@@ -53,14 +53,6 @@ MeanSquare besideFreePoses(const Linearised& linear) {
   return mean;
 }
 
-bool severalTags(const CaptureRows& rows) {
-  return std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& part) {
-    std::set<int> tags;
-    for (const PointContext& point : part.context.points) tags.insert(point.id.tag);
-    return tags.size() > 1;
-  });
-}
-
 bool hasRepeats(const MeasuredCell& measured) {
   return std::any_of(measured.groups.begin(), measured.groups.end(), [](const auto& group) { return group.size() > 1; });
 }
@@ -136,6 +128,14 @@ MeasurementNoise ofPoses(const Linearised& linear, bool stated) {
 }
 
 }  // namespace
+
+bool severalTags(const CaptureRows& rows) {
+  return std::any_of(rows.observations.begin(), rows.observations.end(), [](const ObservationRows& part) {
+    std::set<int> tags;
+    for (const PointContext& point : part.context.points) tags.insert(point.id.tag);
+    return tags.size() > 1;
+  });
+}
 
 MeasurementNoise measurementNoise(const MeasuredCell& measured, const Linearised& linear, bool stated) {
   MeasurementNoise noise = measured.start.camera ? ofCorners(measured, linear) : ofPoses(linear, stated);

@@ -29,4 +29,7 @@ struct MeasurementNoise {
 /// @param stated  whether the poses' deviations were stated.
 MeasurementNoise measurementNoise(const MeasuredCell& measured, const Linearised& linear, bool stated);
 
+/// Whether some picture shows more than one tag.
+bool severalTags(const CaptureRows& rows);
+
 }  // namespace poecal

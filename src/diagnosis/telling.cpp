@@ -11,6 +11,7 @@
 
 #include "diagnosis/found_model.hpp"
 #include "diagnosis/look_alikes.hpp"
+#include "diagnosis/measurement_noise.hpp"
 #include "diagnosis/refit.hpp"
 #include "diagnosis/screening.hpp"
 #include "diagnosis/thresholds.hpp"
@@ -133,7 +134,7 @@ Eigen::MatrixXd turningActions(const Candidate& candidate, const CaptureRows& ro
 }
 
 /// Of a compliance: the most that it turns or shifts its place over the poses of the capture, and its standard deviation. Of unknown masses
-/// it is what is left of it beside constant turns: large moments that cancel each other would else make it that of no machine.
+/// without the constant turns: large moments that cancel each other would otherwise make it impossibly large.
 void fillDeflection(const Selection& selection, std::size_t number, Finding& finding) {
   const Accepted& accepted = *selection.findings[number].accepted;
   const Candidate& candidate = accepted.candidate;
@@ -195,39 +196,44 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order) {
   return diagnosis;
 }
 
-void tellNoiseThatIsNone(const Selection& selection, Diagnosis& diagnosis) {
+void tellTooMuchNoise(const Selection& selection, Diagnosis& diagnosis) {
   if (diagnosis.tag_sigma > kSearch.any_tag) {
     diagnosis.gap_remains = true;
-    diagnosis.warnings.push_back(fmt::format(
-        "the tags of one picture lie {:.2f} px from where the target's file puts them beside each other, expected some 0.1 px: a "
-        "tag that stands out of the plane or is tilted, or sizes and places that are not those of the printed target",
-        diagnosis.tag_sigma));
+    diagnosis.warnings.push_back(
+        severalTags(selection.linear.rows)
+            ? fmt::format(
+                  "the tags of one picture lie {:.2f} px from where the target's file puts them beside each other, expected some 0.1 px: "
+                  "a tag that is tilted or out of the plane, or sizes and places that are not those of the printed target",
+                  diagnosis.tag_sigma)
+            : fmt::format(
+                  "the whole target lies {:.2f} px off in each picture, expected some 0.1 px: pictures of an arm or a camera that shook",
+                  diagnosis.tag_sigma));
   }
-  if (diagnosis.repeatability > kSearch.any_arm && !comesBack(selection.measured)) {
-    diagnosis.gap_remains = true;
-    diagnosis.warnings.push_back(fmt::format(
-        "readings and pictures agree only to {:.2f} mrad a joint, expected some 0.1 mrad: readings that are not of the picture's "
-        "moment, an arm that moved while it was taken (record dq1..), or joints that do not come back; the same poses taken again "
-        "after other ones tell which",
-        1e3 * diagnosis.repeatability));
-  }
+  if (!(diagnosis.repeatability > kSearch.any_arm) || comesBack(selection.measured)) return;
+  diagnosis.gap_remains = true;
+  const std::string ways = diagnosis.pixels
+                               ? "readings taken at another moment than the picture, an arm that moved during the exposure (record "
+                                 "dq1..), or joints that do not come back"
+                               : "readings taken at another moment than the pose, or joints that do not come back";
+  diagnosis.warnings.push_back(
+      fmt::format("readings and {} agree only to {:.2f} mrad a joint, expected some 0.1 mrad: {}; the same poses taken again after other "
+                  "ones tell which",
+                  diagnosis.pixels ? "pictures" : "poses", 1e3 * diagnosis.repeatability, ways));
 }
 
-/// A gain of -1 takes a joint's readings back.
 void tellUnmoved(Diagnosis& diagnosis) {
   constexpr double kNearly = 0.05;
   for (const Finding& finding : diagnosis.findings) {
-    const auto gain = finding.effect == "joint_gain" ? finding.parameters.find("gain") : finding.parameters.end();
-    if (gain == finding.parameters.end() || std::abs(gain->second + 1.0) > kNearly) continue;
+    if (finding.effect != "joint_gain") continue;
+    const double off = std::abs(finding.parameters.at("gain") + 1.0), deviation = finding.standard_deviation.at("gain");
+    if (off > kNearly || deviation > kNearly) continue;
     diagnosis.warnings.push_back(
-        fmt::format("{} moves nothing that is seen, whatever it reads: is the target or the camera mounted before it, or is the arm's last "
-                    "link another?",
+        fmt::format("{} does not move what is seen: is the target or the camera mounted before it, or is the arm's last link wrong?",
                     finding.location));
   }
 }
 
 void tellContradictions(const Selection& selection, Diagnosis& diagnosis) {
-  tellUnmoved(diagnosis);
   const Ranking& first = selection.base_ranking;
   const std::optional<AgainstGravity>& against = first.against_gravity;
   // Whatever else was found in its place, it would have stood before it, or beside it.

@@ -14,8 +14,12 @@ Diagnosis tellFindings(const Selection& selection, const RowOrder& row_order);
 
 void tellNoise(const Selection& selection, Diagnosis& diagnosis);
 
-/// Noise that is more than any arm or any printed target has: a gap then remains, whatever else is found. After tellNoise().
-void tellNoiseThatIsNone(const Selection& selection, Diagnosis& diagnosis);
+/// Noise beyond that of any arm or printed target: a gap remains then, unless repeats show that the arm does not come back. After
+/// tellNoise().
+void tellTooMuchNoise(const Selection& selection, Diagnosis& diagnosis);
+
+/// Gains of -1, which take a joint's readings back.
+void tellUnmoved(Diagnosis& diagnosis);
 
 /// Whether gravity is stated the other way round than what yields to it tells.
 void tellContradictions(const Selection& selection, Diagnosis& diagnosis);

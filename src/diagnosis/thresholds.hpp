@@ -43,8 +43,8 @@ struct SearchThresholds {
 
   /// A gap remains where its lower end is beyond so many times the noise: cells without an effect reach 0.8 in the withheld world.
   double gap_remains = 2.0;
-  /// What counts as noise beside the corners' own, until it is more than any arm [rad] and any printed target [px] has: good arms come back
-  /// by 0.05 to 0.1 mrad a joint and worn ones by 0.3; blur and light move the corners of a whole tag by 0.2 px on real cells.
+  /// The most noise besides the corners' own that an arm [rad] or a printed target [px] has: good arms come back by 0.05 to 0.1 mrad a
+  /// joint and worn ones by 0.3; blur and light move the corners of a whole tag by 0.2 px on real cells.
   double any_arm = 5e-4;
   double any_tag = 0.5;
 

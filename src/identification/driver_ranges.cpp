@@ -14,9 +14,11 @@ namespace {
 /// A column of samples.csv that drives effects beyond where the arm stands.
 struct Column {
   const char* name;
-  std::optional<double> Sample::*value;
+  std::optional<double> (*value)(const Sample& sample);
 };
-constexpr Column kColumns[] = {{"stamp", &Sample::stamp}, {"temperature", &Sample::temperature}, {"payload", &Sample::payload}};
+constexpr Column kColumns[] = {{"stamp", [](const Sample& sample) { return sample.stamp; }},
+                               {"temperature", [](const Sample& sample) { return sample.temperature; }},
+                               {"payload", [](const Sample& sample) { return std::optional(sample.payload.value_or(0.0)); }}};
 
 bool follows(const Effect& effect, const std::string& column) {
   const EffectKind& kind = effect.kind();
@@ -36,7 +38,7 @@ DriverRanges driverRangesOf(const std::vector<AppliedEffect>& effects, const std
   for (const Column& column : kColumns) {
     if (!anyFollows(effects, column.name)) continue;
     for (const Sample& sample : samples) {
-      const std::optional<double>& value = sample.*column.value;
+      const std::optional<double> value = column.value(sample);
       if (!value) continue;
       const auto [range, is_new] = ranges.try_emplace(column.name, *value, *value);
       if (is_new) continue;
@@ -58,17 +60,17 @@ std::vector<std::string> remarksOnDrivers(const DriverRanges& ranges, const std:
     std::size_t beyond = 0;
     const Sample* first = nullptr;
     for (const Sample& sample : samples) {
-      const std::optional<double>& value = sample.*column.value;
+      const std::optional<double> value = column.value(sample);
       if (!value || (*value >= low - margin && *value <= high + margin)) continue;
       if (first == nullptr) first = &sample;
       ++beyond;
     }
     if (first == nullptr) continue;
-    remarks.push_back(fmt::format(
-        "{}:{}: {} is {}, far from {} to {}, where the model's effects were found: what follows it is guessed in {} of {} rows; "
-        "expected the same unit and clock as in that capture",
-        file.string(), first->line, column.name, formatNumber(*(first->*column.value)), formatNumber(low), formatNumber(high), beyond,
-        samples.size()));
+    remarks.push_back(
+        fmt::format("{}:{}: {} is {}, far from {} to {}, where the model's effects were found: they are extrapolated in {} of {} rows; "
+                    "expected the same unit and clock as in that capture",
+                    file.string(), first->line, column.name, formatNumber(*column.value(*first)), formatNumber(low), formatNumber(high),
+                    beyond, samples.size()));
   }
   return remarks;
 }

@@ -123,7 +123,8 @@ ArmBelief armBelief(const Cell& nominal, const IdentifyOptions& options) {
   if (options.tolerance_position <= 0.0 && options.tolerance_rotation <= 0.0) return {};
   constexpr double kAnywhere = 1.0;  // [m], [rad]
   const Registration& registration = nominal.registration;
-  const bool known = registration.setup == Setup::kEyeToHand ? registration.known_near.has_value() : registration.known_far.has_value();
+  const std::optional<KnownTransform>& base = registration.setup == Setup::kEyeToHand ? registration.known_near : registration.known_far;
+  const bool known = base && base->sigma.array().isFinite().any();
   const bool held = options.registered || options.method != Method::kBundle;
   return {TwistPrior(*nominal.arm, options.tolerance_position > 0.0 ? options.tolerance_position : kAnywhere,
                      options.tolerance_rotation > 0.0 ? options.tolerance_rotation : kAnywhere, known || held)};

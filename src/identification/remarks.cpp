@@ -92,7 +92,7 @@ std::string statedDeviationsWarning(double scale, bool corners) {
 }
 
 std::string mixedDeviationsWarning(const Cell& cell, const std::vector<Observation>& observations) {
-  constexpr double kOtherUnit = 10.0;    // of what is stated of some, from what is stated of others
+  constexpr double kOtherUnit = 50.0;    // metres and millimetres differ by a thousand, pictures of one camera by ten
   constexpr double kContradicted = 5.0;  // times farther off than the others are, both by what is stated of them
   constexpr std::size_t kFewest = 4;
   struct Row {
@@ -100,6 +100,7 @@ std::string mixedDeviationsWarning(const Cell& cell, const std::vector<Observati
   };
   std::vector<Row> rows;
   for (const Observation& observation : observations) {
+    if (observation.unitCount() == 0) continue;
     Row row;
     std::vector<double> stated;
     for (const UnitResidual& unit : residuals(cell, observation)) {
@@ -127,12 +128,13 @@ std::string mixedDeviationsWarning(const Cell& cell, const std::vector<Observati
   const auto stated = [](const Row& row) { return row.stated; };
   const auto off = [](const Row& row) { return row.off; };
   const auto share = [](const Row& row) { return row.off / row.stated; };
+  if (!(medianOf(larger, rows.end(), stated) > kOtherUnit * medianOf(rows.begin(), larger, stated))) return "";
   const double here = medianOf(rows.begin(), larger, share), there = medianOf(larger, rows.end(), share);
   if (!(here > kContradicted * std::max(1.0, there))) return "";
   const bool corners = !observations.front().pose;
   const double unit = corners ? 1.0 : 1e3;
   return fmt::format(
-      "{} of {} rows state deviations of {:.3g} {} and are off by {:.3g}, the others state {:.3g}: are they in another unit?", small,
+      "{} of {} rows state deviations of {:.3g} {} and are off by {:.3g}, the others state {:.3g}: are the two in different units?", small,
       rows.size(), unit * medianOf(rows.begin(), larger, stated), corners ? "px" : "mm", unit * medianOf(rows.begin(), larger, off),
       unit * medianOf(larger, rows.end(), stated));
 }

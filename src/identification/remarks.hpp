@@ -24,8 +24,8 @@ std::vector<std::string> deviationWarnings(const Arm& nominal, const std::vector
 /// that nobody tells from a gap. @param scale  what is left, of what was stated
 std::string statedDeviationsWarning(double scale, bool corners);
 
-/// Whether some rows state deviations a tenth of what others state or less, and are five times farther off by what they state than those:
-/// another unit in a part of the rows. Empty where not.
+/// Whether some rows state deviations a fiftieth of what others state or less, and are five times farther off by what they state than
+/// those: another unit in a part of the rows. Empty where not.
 std::string mixedDeviationsWarning(const Cell& cell, const std::vector<Observation>& observations);
 
 /// What no data of this kind can tell, by name, and how it was fixed.

@@ -41,7 +41,7 @@ void addUnmoved(const Problem& problem, std::vector<Mistake>& mistakes) {
     std::vector<int> still(static_cast<std::size_t>(count - first));
     std::iota(still.begin(), still.end(), first);
     const char* move = still.size() == 1 ? "does not move" : "do not move";
-    mistakes.push_back(mistakeOfReadings(fmt::format("{} {} the {}: is it mounted before joint {}, or is the arm's last link another?",
+    mistakes.push_back(mistakeOfReadings(fmt::format("{} {} the {}: is it mounted before joint {}, or is the arm's last link wrong?",
                                                      listOf(still), move, mounted, first + 1),
                                          [first](Eigen::VectorXd& q) { q.tail(q.size() - first).setZero(); }));
   }

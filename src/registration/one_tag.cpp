@@ -80,7 +80,7 @@ struct FittedChange {
 /// Where a tag may differ: in its plane, which the pose of one other tag shows well, or anywhere.
 enum class Within { kPlane, kSpace };
 
-/// What a tag's corners, changed so, are off by where the others foretell them.
+/// What the corners of a tag so changed are off by, in the pose that the other tags give.
 std::optional<FittedChange> furtherChange(const Camera& camera, const std::vector<Observation>& rows, int tag, const TagPlane& plane,
                                           const Change& change, Within within) {
   Eigen::Matrix<double, 7, 7> A = Eigen::Matrix<double, 7, 7>::Zero();
@@ -164,14 +164,15 @@ Difference describe(const FittedChange& fitted, double size, double elsewhere) {
   return difference;
 }
 
-/// A tag of half or twice its size, or farther away than the target is wide: the others place it by a pose that is none.
+/// A tag of half or twice its size, farther away than the target is wide or tipped over: the others place it by a pose that is none.
 bool isFarFrom(const FittedChange& fitted, const CornersOfTags& tags, const TagPlane& plane) {
-  constexpr double kHalf = 0.5;
+  constexpr double kHalf = 0.5, kTipped = 1.0;
   double farthest = 0.0;
   for (const auto& [tag, corners] : tags) {
     for (const auto& [corner, point] : corners) farthest = std::max(farthest, (point - plane.middle).norm());
   }
-  return std::abs(fitted.change(0)) > kHalf || std::hypot(fitted.change(1), fitted.change(2)) > farthest;
+  return std::abs(fitted.change(0)) > kHalf || fitted.change.segment<3>(1).norm() > farthest ||
+         fitted.change.segment<2>(4).norm() > kTipped;
 }
 
 std::size_t posed(const Problem& problem) {
@@ -192,8 +193,8 @@ std::string tagThatDiffers(const Problem& few, const CornersOfTags& tags, Within
     if (!fitted) continue;
     const Difference difference = describe(*fitted, plane.size, cell.arm ? kOtherPlaceOfArms : kOtherPlace);
     if (difference.text.empty() || isFarFrom(*fitted, tags, plane)) continue;
-    // Of two, one that lies elsewhere says as much of the other: an effect of the target. And one beside a neighbour of another size looks,
-    // seen from that, as if it lay elsewhere.
+    // Of two, one that lies elsewhere says as much of the other: an effect of the target, as none is out of the plane. And one beside a
+    // neighbour of another size looks, seen from that, as if it lay elsewhere.
     if (tags.size() == kFewestTags && difference.is_moved) continue;
     Problem altered = few;
     for (Observation& observation : altered.observations) {

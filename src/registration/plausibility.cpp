@@ -204,8 +204,9 @@ class MistakeSearch {
     const bool alone = explains(found->misfit);
     if (!alone && !arm_explains_rest) return;
     std::string left = leftText(altered, registration, found->misfit);
-    if (!alone) left += fmt::format(", and to {:.3g} {} with the arm fitted too,", calibrated, misfitUnit(few_.observations.front()));
-    keep({text + (alone ? "" : ", or the robot is not the one of its file"), part, std::nullopt, found->misfit, calibrated, left});
+    if (!alone)
+      left += fmt::format(", and to {:.3g} {} if the robot is not that of its file,", calibrated, misfitUnit(few_.observations.front()));
+    keep({text, part, std::nullopt, found->misfit, calibrated, left});
   }
 
   /// The earlier one stays unless another is clearly better: by what is left with the arm's errors taken out, and among equals before that.

@@ -130,7 +130,7 @@ Verdict verdictOf(const Calibration& calibration) {
     verdict.headline = "A gap without a known cause";
     verdict.sentences = {diagnosis.remaining_significant ? fmt::format("Structure is left at {}, driven by {}.",
                                                                        spoken(diagnosis.remaining_location), diagnosis.remaining_driver)
-                                                         : "Held-out poses are off by far more than the noise.",
+                                                         : capitalised(fmt::format("{}.", gapRemainsText(diagnosis))),
                          fmt::format("None of {} explanations makes held-out poses better.", diagnosis.answers),
                          capitalised(fmt::format("what remains is {}.", remains(diagnosis)))};
     verdict.actions.push_back("Take more poses, some of them twice: repeats tell structure from random motion.");

@@ -135,5 +135,16 @@ TEST_F(RowChecks, CountersThatWrapAroundAreSaid) {
   EXPECT_THAT(turnRemarks("rows.csv", samples_, arm_), IsEmpty()) << "a joint that turns far";
 }
 
+TEST_F(RowChecks, APayloadHeavierThanTheArmIsSaid) {
+  samples_[2].payload = 12.0;
+  arm_.joints.pop_back();
+  EXPECT_THAT(payloadRemarks("rows.csv", samples_, arm_), IsEmpty()) << "no masses";
+  arm_.links = {{.mass = 7.0}, {.mass = 3.0}};
+  EXPECT_THAT(payloadRemarks("rows.csv", samples_, arm_),
+              ElementsAre("rows.csv:4: payload is 12, more than the 10 kg of the arm itself, expected kg; is it in grams or newtons?"));
+  arm_.links[1].mass = 0.0;
+  EXPECT_THAT(payloadRemarks("rows.csv", samples_, arm_), IsEmpty()) << "masses in part";
+}
+
 }  // namespace
 }  // namespace poecal

@@ -19,7 +19,8 @@ using ::testing::IsSupersetOf;
 void expectDerivatives(const MeasuredCell& measured, const ModelState& state) {
   const CaptureRows rows = captureRows(measured, state, {});
   const ParameterLayout layout(state.cell.cell, measured.free);
-  // Central differences of a step h are off by h^2 and by rounding over h, some 1e-9 of a column each.
+  // Central differences of a step h are off by h^2 and by rounding over h, some 1e-9 of a column each; what follows the axes is itself a
+  // difference, of one side, by 1e-6.
   constexpr double kStep = 1e-5;
   for (int i = 0; i < layout.pose_parameters; ++i) {
     const auto at = [&](double step) {

@@ -102,7 +102,7 @@ TEST(Diagnose, JointsThatMissTheirReadingsByMoreThanAnyArmLeaveAGap) {
   EXPECT_THAT(diagnosis.warnings, ::testing::Contains(HasSubstr("readings and pictures agree only to 1.")));
 }
 
-TEST(Diagnose, TagsThatStandElsewhereInEachPictureLeaveAGap) {
+TEST(Diagnose, PicturesThatShookLeaveAGap) {
   Rng rng = test::rngOfThisTest();
   test::SmallCell small = test::smallCell(13, kPoses, kSigma, {});
   for (Observation& observation : small.observations) {
@@ -111,7 +111,7 @@ TEST(Diagnose, TagsThatStandElsewhereInEachPictureLeaveAGap) {
   }
   const Diagnosis diagnosis = small.diagnosis();
   EXPECT_TRUE(diagnosis.gap_remains);
-  EXPECT_THAT(diagnosis.warnings, ::testing::Contains(HasSubstr("the tags of one picture lie")));
+  EXPECT_THAT(diagnosis.warnings, ::testing::Contains(HasSubstr("the whole target lies 1.")));
 }
 
 // A joint that hardly turns is no mistake that a registration shows.
@@ -124,7 +124,7 @@ TEST(Diagnose, AJointBeforeWhichTheTargetIsMountedIsSaid) {
   }
   test::observeWith(
       small, 5, [](const Eigen::VectorXd& q) { return -q(5); }, kSigma);
-  EXPECT_THAT(small.diagnosis().warnings, ::testing::Contains(HasSubstr("joint:6 moves nothing that is seen")));
+  EXPECT_THAT(small.diagnosis().warnings, ::testing::Contains(HasSubstr("joint:6 does not move what is seen")));
 }
 
 TEST(Diagnose, RoundFiguresThatWereCommandedAreNoNoise) {

@@ -46,7 +46,7 @@ TEST_F(DriverRangesOf, HoldWhatSomeEffectFollows) {
   EXPECT_THAT(driverRangesOf(model_.effects, seen_), ElementsAre(Pair("temperature", Pair(20.0, 29.0))));
   add({.effect = "joint_slip", .location = "joint:3", .parameters = {{"offset", 1e-3}, {"time", 1.5}}});
   add({.effect = "joint_compliance", .location = "joint:3", .parameters = {{"compliance", 1e-5}}});
-  EXPECT_THAT(driverRangesOf(model_.effects, seen_), UnorderedElementsAre(Pair("payload", Pair(1.5, 2.0)), Pair("stamp", Pair(10.0, 600.0)),
+  EXPECT_THAT(driverRangesOf(model_.effects, seen_), UnorderedElementsAre(Pair("payload", Pair(0.0, 2.0)), Pair("stamp", Pair(10.0, 600.0)),
                                                                           Pair("temperature", Pair(20.0, 29.0))));
   EXPECT_THAT(driverRangesOf({}, seen_), IsEmpty());
 }
@@ -57,7 +57,7 @@ TEST_F(DriverRangesOf, TablesMayGoAsFarBeyondAsTheyAreWide) {
   EXPECT_THAT(remarks(sampleAt(0.0, 11.1, {})), IsEmpty());
   EXPECT_THAT(remarks(sampleAt(0.0, 297.0, {})),
               ElementsAre(HasSubstr("table.csv:2: temperature is 297.0, far from 20.0 to 29.0, where the model's effects were found")));
-  EXPECT_THAT(remarks(sampleAt(0.0, 10.9, {})), ElementsAre(HasSubstr("guessed in 1 of 1 rows")));
+  EXPECT_THAT(remarks(sampleAt(0.0, 10.9, {})), ElementsAre(HasSubstr("extrapolated in 1 of 1 rows")));
 }
 
 TEST_F(DriverRangesOf, AreKeptInTheModelsFile) {

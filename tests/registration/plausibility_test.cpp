@@ -201,8 +201,8 @@ TEST(Plausibility, AJointBeforeWhichTheTargetIsMountedIsNamed) {
     }
     EXPECT_THAT(said(made).message,
                 HasSubstr(kind.setup == Setup::kEyeInHand
-                              ? "q7 does not move the camera: is it mounted before joint 7, or is the arm's last link another?"
-                              : "q6 does not move the target: is it mounted before joint 6, or is the arm's last link another?"))
+                              ? "q7 does not move the camera: is it mounted before joint 7, or is the arm's last link wrong?"
+                              : "q6 does not move the target: is it mounted before joint 6, or is the arm's last link wrong?"))
         << nameOf(kind);
   }
 }

@@ -61,7 +61,7 @@ struct ResultSummary {
   std::string why;                     ///< where the data are insufficient for a diagnosis
   std::vector<FindingSummary> findings;
   bool structure_left = false;  ///< that no finding explains
-  bool gap_remains = false;     ///< likewise, on held-out poses and far above the noise
+  bool gap_remains = false;     ///< likewise; see Diagnosis::gap_remains
   std::optional<StageErrors> diagnosed;
   std::optional<double> shrinkage, shrinkage_low, shrinkage_high;  ///< unset where none is claimed
   std::optional<long> bad_samples;

@@ -26,8 +26,8 @@ struct JointDeviation {
 /// variance of the tolerances; and each joint's zero may be anywhere (zero_k, 0.02 rad), since only its maker's mark tells.
 ///
 /// A motion of the base frame moves all axes together, and no measurement tells of it where the transform beside the base is free. The
-/// frame is then the one in which beta' precision beta is smallest, and the first joint's zero is none: a turn of the base does the same.
-/// This rule does not depend on the data or on what a diagnosis finds.
+/// frame is then the one in which beta' precision beta is smallest, and the first joint has no zero of its own: a turn of the base does the
+/// same. This rule does not depend on the data or on what a diagnosis finds.
 struct TwistPrior {
   /// No belief at all.
   TwistPrior() = default;

@@ -78,7 +78,7 @@ struct Finding {
   std::string remedy = {};
   /// At camera.mount, where the pictures show a reference: which of camera and base moved, and how that is known.
   std::string reference = {};
-  /// Compliances: largest turn [rad] or shift [m] that it makes over the capture's poses. Where the links' masses are not stated, beside
+  /// Compliances: largest turn [rad] or shift [m] that it makes over the capture's poses. Where the links' masses are not stated, without
   /// constant turns of the base and of the bodies up to its place, or a joint's zero: the registration and the axes take these up.
   std::optional<double> largest_deflection = {};
   std::optional<double> largest_deflection_deviation = {};  ///< its standard deviation
@@ -134,7 +134,7 @@ struct Diagnosis {
   std::vector<Finding> possibilities;  ///< of captures of few poses: named effects that do not serve poses which the fit did not see
   RowOrder row_order;                  ///< columns that the order of the rows stood in for
   std::vector<GapPlace> where;
-  /// Held-out poses are off by far more than the noise may be, or that noise is more than any arm or target has.
+  /// Held-out poses are off by far more than the noise may be, or that noise is beyond any arm's or target's.
   bool gap_remains = false;
   bool remaining_significant = false;
   double remaining_p_value = 1.0;
