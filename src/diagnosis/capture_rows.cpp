@@ -71,14 +71,9 @@ PoseDerivative evaluateObservation(const MeasuredCell& measured, const ModelStat
 std::vector<AppliedEffect> followingAxes(const ModelState& state) {
   std::vector<AppliedEffect> some;
   for (const AppliedEffect& applied : state.effects) {
-    if (applied.effect.kind().follows_axes) some.push_back(applied);
+    if (applied.effect.kind().followsAxes()) some.push_back(applied);
   }
   return some;
-}
-
-bool goesWithLoad(const AppliedEffect& applied) {
-  const EffectKind& kind = applied.effect.kind();
-  return kind.yields_to_gravity || std::find(kind.needs.begin(), kind.needs.end(), Need::kMasses) != kind.needs.end();
 }
 
 /// (there - here) / step, of the joints, the links and the base.
@@ -95,7 +90,7 @@ void addWhatFollowsAxes(const MeasuredCell& measured, const ModelState& state, c
   const std::vector<AppliedEffect> effects = followingAxes(state);
   if (effects.empty()) return;
   constexpr double kStep = 1e-6;  // [rad], [m]: its square is below the rounding of the difference
-  const bool load = std::any_of(effects.begin(), effects.end(), goesWithLoad);
+  const bool load = std::any_of(effects.begin(), effects.end(), [](const AppliedEffect& one) { return one.effect.kind().takesLoad(); });
   std::vector<Disturbance> here;
   for (const ObservationRows& part : all.observations) here.push_back(disturbanceOf(effects, part.context));
   for (int i = 0; i < layout.twists; ++i) {

@@ -125,11 +125,10 @@ Eigen::MatrixXd constantTurns(const Candidate& candidate, const CaptureRows& row
 /// The turning parts of a candidate's actions (w of the target's pose, or the joint's reading), below each other.
 Eigen::MatrixXd turningActions(const Candidate& candidate, const CaptureRows& rows) {
   const Eigen::MatrixXd actions = actionsOf(candidate, rows, 0, rows.observations.size());
-  const Eigen::Index size = candidate.entry().reach == Reach::kJoint ? 1 : 6, turning = std::min<Eigen::Index>(size, 3);
-  Eigen::MatrixXd some(actions.rows() / size * turning, actions.cols());
-  for (Eigen::Index n = 0; n < actions.rows() / size; ++n) {
-    some.middleRows(turning * n, turning) = actions.middleRows(size * n, turning);
-  }
+  const auto poses = static_cast<Eigen::Index>(rows.observations.size());
+  const Eigen::Index size = actions.rows() / poses, turning = std::min<Eigen::Index>(size, 3);
+  Eigen::MatrixXd some(turning * poses, actions.cols());
+  for (Eigen::Index n = 0; n < poses; ++n) some.middleRows(turning * n, turning) = actions.middleRows(size * n, turning);
   return some;
 }
 
@@ -144,7 +143,7 @@ void fillDeflection(const Selection& selection, std::size_t number, Finding& fin
     const Eigen::MatrixXd constant = constantTurns(candidate, selection.linear.rows);
     actions -= constant * constant.completeOrthogonalDecomposition().solve(actions);
   }
-  const Eigen::Index turning = candidate.entry().reach == Reach::kJoint ? 1 : 3;
+  const Eigen::Index turning = actions.rows() / static_cast<Eigen::Index>(selection.linear.rows.observations.size());
   Eigen::RowVectorXd most = Eigen::RowVectorXd::Zero(actions.cols());  // the largest one's length by the factors
   double largest = 0.0;
   for (Eigen::Index row = 0; row < actions.rows(); row += turning) {

@@ -33,7 +33,7 @@ EffectKind axisWobble() {
   kind.separate = "readings over the joint's whole range; a tilt that turns with the link cannot be told from geometry";
   kind.remedy = "replace or re-seat the joint's bearing";
   kind.add_derivative = addDerivative;
-  kind.follows_axes = true;
+  kind.stands_on_axes = true;
   return kind;
 }
 

@@ -36,7 +36,6 @@ EffectKind baseCompliance() {
   kind.add_derivative = addDerivative;
   kind.add_by_masses = addByMasses;
   kind.yields_to_gravity = true;
-  kind.follows_axes = true;
   return kind;
 }
 

@@ -216,6 +216,8 @@ Effect instantiate(const EffectKind& kind, std::size_t index, const Driver& driv
   return effect;
 }
 
+bool EffectKind::takesLoad() const { return yields_to_gravity || std::find(needs.begin(), needs.end(), Need::kMasses) != needs.end(); }
+
 std::string EffectKind::placePattern() const { return isNumbered(place) ? std::string(placeName(place)) + ":K" : placeName(place); }
 
 std::optional<std::size_t> EffectKind::parameterOf(ParameterRole role) const {

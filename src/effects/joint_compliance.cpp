@@ -35,7 +35,6 @@ EffectKind jointCompliance() {
   kind.add_derivative = addDerivative;
   kind.add_by_masses = addByMasses;
   kind.yields_to_gravity = true;
-  kind.follows_axes = true;
   return kind;
 }
 

@@ -32,7 +32,6 @@ EffectKind jointHysteresis() {
   kind.separate = "the same poses reached from both sides, with a second payload: backlash keeps its size, hysteresis grows with the load";
   kind.remedy = "come to every pose from the same side; check the gear's lubrication and preload";
   kind.add_derivative = addDerivative;
-  kind.follows_axes = true;
   return kind;
 }
 

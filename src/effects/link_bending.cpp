@@ -53,7 +53,6 @@ EffectKind linkBending() {
   kind.add_derivative = addDerivative;
   kind.add_by_masses = addByMasses;
   kind.yields_to_gravity = true;
-  kind.follows_axes = true;
   return kind;
 }
 

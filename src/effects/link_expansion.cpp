@@ -31,7 +31,7 @@ EffectKind linkExpansion() {
   kind.separate = "a tag that never moves in view, a log of the temperature, a way back down with it";
   kind.remedy = "warm the arm up before work; correct lengths by temperature";
   kind.add_derivative = addDerivative;
-  kind.follows_axes = true;
+  kind.stands_on_axes = true;
   return kind;
 }
 

@@ -15,28 +15,24 @@ namespace {
 struct Column {
   const char* name;
   std::optional<double> (*value)(const Sample& sample);
+  bool (*drives)(const Effect& effect);
 };
-constexpr Column kColumns[] = {{"stamp", [](const Sample& sample) { return sample.stamp; }},
-                               {"temperature", [](const Sample& sample) { return sample.temperature; }},
-                               {"payload", [](const Sample& sample) { return std::optional(sample.payload.value_or(0.0)); }}};
-
-bool follows(const Effect& effect, const std::string& column) {
-  const EffectKind& kind = effect.kind();
-  if (column == "stamp") return effect.driver().kind() == DriverKind::kStamp;
-  if (column == "temperature") return effect.driver().kind() == DriverKind::kTemperature;
-  return kind.yields_to_gravity || std::find(kind.needs.begin(), kind.needs.end(), Need::kMasses) != kind.needs.end();
-}
-
-bool anyFollows(const std::vector<AppliedEffect>& effects, const std::string& column) {
-  return std::any_of(effects.begin(), effects.end(), [&column](const AppliedEffect& one) { return follows(one.effect, column); });
-}
+constexpr Column kColumns[] = {
+    {"stamp", [](const Sample& sample) { return sample.stamp; },
+     [](const Effect& effect) { return effect.driver().kind() == DriverKind::kStamp; }},
+    {"temperature", [](const Sample& sample) { return sample.temperature; },
+     [](const Effect& effect) { return effect.driver().kind() == DriverKind::kTemperature; }},
+    {"payload", [](const Sample& sample) { return std::optional(sample.payload.value_or(0.0)); },
+     [](const Effect& effect) { return effect.kind().takesLoad(); }},
+};
 
 }  // namespace
 
 DriverRanges driverRangesOf(const std::vector<AppliedEffect>& effects, const std::vector<Sample>& samples) {
   DriverRanges ranges;
   for (const Column& column : kColumns) {
-    if (!anyFollows(effects, column.name)) continue;
+    const auto drives = [&column](const AppliedEffect& one) { return column.drives(one.effect); };
+    if (std::none_of(effects.begin(), effects.end(), drives)) continue;
     for (const Sample& sample : samples) {
       const std::optional<double> value = column.value(sample);
       if (!value) continue;

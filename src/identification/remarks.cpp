@@ -17,6 +17,32 @@ namespace {
 
 double degrees(double angle) { return angle * 180.0 / M_PI; }
 
+/// What is stated of a row's corners or place, and how far it is off, per axis [px] or [m].
+struct StatedRow {
+  double stated = 0.0, off = 0.0;
+};
+
+StatedRow statedRow(const Cell& cell, const Observation& observation) {
+  StatedRow row;
+  const Eigen::Index count = observation.pose ? 3 : 2;
+  for (const UnitResidual& unit : residuals(cell, observation)) {
+    row.off += unit.residual.tail(count).squaredNorm() / static_cast<double>(count * observation.unitCount());
+  }
+  row.off = std::sqrt(row.off);
+  std::vector<double> stated;
+  for (const CornerMeasurement& corner : observation.corners) stated.push_back(corner.sigma_px);
+  if (observation.pose) stated.push_back(std::sqrt(3.0) / observation.pose->whitening.bottomRightCorner<3, 3>().norm());
+  row.stated = median(std::move(stated));
+  return row;
+}
+
+template <typename Of>
+double medianOf(const std::vector<StatedRow>& rows, Of of) {
+  std::vector<double> values;
+  std::transform(rows.begin(), rows.end(), std::back_inserter(values), of);
+  return median(std::move(values));
+}
+
 }  // namespace
 
 std::vector<SuspectRow> suspectRows(const MethodFit& fit, const Cell& cell, const std::vector<Observation>& fitted) {
@@ -95,48 +121,30 @@ std::string mixedDeviationsWarning(const Cell& cell, const std::vector<Observati
   constexpr double kOtherUnit = 50.0;    // metres and millimetres differ by a thousand, pictures of one camera by ten
   constexpr double kContradicted = 5.0;  // times farther off than the others are, both by what is stated of them
   constexpr std::size_t kFewest = 4;
-  struct Row {
-    double stated = 0.0, off = 0.0;  // [px], [m]
-  };
-  std::vector<Row> rows;
+  std::vector<StatedRow> rows;
   for (const Observation& observation : observations) {
     if (observation.unitCount() == 0) continue;
-    Row row;
-    std::vector<double> stated;
-    for (const UnitResidual& unit : residuals(cell, observation)) {
-      const Eigen::Index count = observation.pose ? 3 : 2;
-      row.off += unit.residual.tail(count).squaredNorm() / static_cast<double>(count * observation.unitCount());
-    }
-    for (const CornerMeasurement& corner : observation.corners) stated.push_back(corner.sigma_px);
-    if (observation.pose) stated.push_back(std::sqrt(3.0) / observation.pose->whitening.bottomRightCorner<3, 3>().norm());
-    row.off = std::sqrt(row.off);
-    row.stated = median(std::move(stated));
+    const StatedRow row = statedRow(cell, observation);
     if (std::isfinite(row.off)) rows.push_back(row);
   }
-  const auto less = [](const Row& a, const Row& b) { return a.stated < b.stated; };
-  std::stable_sort(rows.begin(), rows.end(), less);
-  if (rows.empty() || !(rows.back().stated > kOtherUnit * rows.front().stated)) return "";
-  const double between = std::sqrt(rows.front().stated * rows.back().stated);
-  const auto larger = std::find_if(rows.begin(), rows.end(), [between](const Row& row) { return row.stated > between; });
-  const auto medianOf = [](auto begin, auto end, auto of) {
-    std::vector<double> values;
-    std::transform(begin, end, std::back_inserter(values), of);
-    return median(std::move(values));
-  };
-  const auto small = static_cast<std::size_t>(larger - rows.begin());
-  if (small < kFewest || rows.size() - small < kFewest) return "";
-  const auto stated = [](const Row& row) { return row.stated; };
-  const auto off = [](const Row& row) { return row.off; };
-  const auto share = [](const Row& row) { return row.off / row.stated; };
-  if (!(medianOf(larger, rows.end(), stated) > kOtherUnit * medianOf(rows.begin(), larger, stated))) return "";
-  const double here = medianOf(rows.begin(), larger, share), there = medianOf(larger, rows.end(), share);
-  if (!(here > kContradicted * std::max(1.0, there))) return "";
+  if (rows.empty()) return "";
+  const auto [least, most] =
+      std::minmax_element(rows.begin(), rows.end(), [](const StatedRow& a, const StatedRow& b) { return a.stated < b.stated; });
+  const double between = std::sqrt(least->stated * most->stated);
+  std::vector<StatedRow> small, large;
+  for (const StatedRow& row : rows) (row.stated > between ? large : small).push_back(row);
+  if (small.size() < kFewest || large.size() < kFewest) return "";
+  const auto stated = [](const StatedRow& row) { return row.stated; };
+  const auto share = [](const StatedRow& row) { return row.off / row.stated; };
+  const double stated_here = medianOf(small, stated), stated_there = medianOf(large, stated);
+  if (!(stated_there > kOtherUnit * stated_here)) return "";
+  if (!(medianOf(small, share) > kContradicted * std::max(1.0, medianOf(large, share)))) return "";
   const bool corners = !observations.front().pose;
   const double unit = corners ? 1.0 : 1e3;
   return fmt::format(
-      "{} of {} rows state deviations of {:.3g} {} and are off by {:.3g}, the others state {:.3g}: are the two in different units?", small,
-      rows.size(), unit * medianOf(rows.begin(), larger, stated), corners ? "px" : "mm", unit * medianOf(rows.begin(), larger, off),
-      unit * medianOf(larger, rows.end(), stated));
+      "{} of {} rows state deviations of {:.3g} {} and are off by {:.3g}, the others state {:.3g}: are the two in different units?",
+      small.size(), rows.size(), unit * stated_here, corners ? "px" : "mm",
+      unit * medianOf(small, [](const StatedRow& row) { return row.off; }), unit * stated_there);
 }
 
 std::vector<std::string> gaugeRemarks(const Arm& nominal, const MethodFit& fit, bool registered) {

@@ -56,10 +56,14 @@ struct EffectKind {
 
   /// It is a compliance times the load of gravity; see Effect::byMasses.
   bool yields_to_gravity = false;
-  /// What it adds depends on where the arm's axes are: it turns about one of them, or goes with a link's length or gravity's torque.
-  bool follows_axes = false;
+  /// It turns about one of the arm's axes, or goes with the distance between two.
+  bool stands_on_axes = false;
   /// It moves single points or pixels, so that pictures cannot be drawn by moving the target or changing the lens.
   bool moves_points = false;
+  /// What it adds goes with gravity's load on the arm.
+  bool takesLoad() const;
+  /// What it adds depends on where the arm's axes are: it stands on them, or they are the load's lever arms.
+  bool followsAxes() const { return stands_on_axes || takesLoad(); }
   /// "joint:K", "camera.lens", ...
   std::string placePattern() const;
   /// Index of its parameter of that role; nothing where it has none.
